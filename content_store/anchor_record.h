@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/id.h"
+#include "mapping/geometry/frames.h"
+#include "mapping/geometry/geodesy.h"
+
+namespace waymark::content {
+
+/// The anchor as one submap saw it when it was placed: what carries it to later releases exactly.
+struct SubmapAttachment {
+  SubmapId submap;
+  Transform<Submap, Anchor> submap_from_anchor;
+};
+
+/// Content that stays where it was put.
+struct AnchorRecord {
+  AnchorId id;  ///< UUID, chosen by the client so that a retry is not a second anchor
+  RoomId room;
+  std::string owner;  ///< DeviceId text of who created it
+  Transform<Map, Anchor> map_from_anchor;
+  std::uint64_t epoch = 1;                    ///< map release that map_from_anchor is in
+  std::vector<SubmapAttachment> attachments;  ///< at most 3, best first
+  GeoPoint place;                             ///< of the anchor's origin
+  std::string kind;                           ///< application's word for it, at most 255 bytes
+  std::string payload;                        ///< at most 64 KiB, opaque
+  std::int64_t created_utc_ms = 0;
+  std::int64_t changed_utc_ms = 0;
+  std::uint64_t revision = 0;  ///< of the store when this state was written; set by the store
+};
+
+/// One entry of the change feed.
+struct AnchorChange {
+  std::uint64_t revision;  ///< strictly increasing over the whole store
+  AnchorId id;
+  RoomId room;
+  std::optional<AnchorRecord> record;  ///< absent: deleted
+};
+
+}  // namespace waymark::content

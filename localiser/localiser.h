@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "mapping/base/id.h"
+#include "mapping/base/result.h"
+#include "mapping/features/features.h"
+#include "mapping/geometry/camera_model.h"
+#include "mapping/geometry/frames.h"
+#include "mapping/store/map_directory.h"
+
+namespace waymark::localiser {
+
+/// Where the phone believes to be, from its GNSS.
+struct PositionPrior {
+  Point<Map> position;
+  double radius_m = 50;  ///< submaps whose circle comes within this are searched
+};
+
+/// One question. The image is either pixels or features taken by the phone.
+struct LocalisationRequest {
+  std::variant<mapping::GrayImage, mapping::ImageFeatures> image;
+  CameraModel camera;
+  std::optional<PositionPrior> prior;           ///< absent: every submap is searched
+  std::optional<Eigen::Vector3d> up_in_camera;  ///< unit, from the phone's gravity
+};
+
+enum class LocalisationStatus : std::uint8_t {
+  kLocalised,
+  kTooFewFeatures,    ///< the image shows too little
+  kNothingNear,       ///< no submap within the prior's radius
+  kTooFewMatches,     ///< nothing in the map looks like it
+  kNoConsistentPose,  ///< matches agree on no pose, or gravity contradicts it
+};
+
+std::string_view LocalisationStatusName(LocalisationStatus status);  ///< "localised", …
+
+struct StageTimes {
+  double features_ms = 0;
+  double search_ms = 0;
+  double pose_ms = 0;
+  double total_ms = 0;
+};
+
+/// The pose of the image with its evidence.
+struct LocalisedPose {
+  Transform<Map, Camera> map_from_camera;
+  Eigen::Matrix<double, 6, 6> covariance;        ///< of Perturb's delta in the map frame, m and rad
+  SubmapId submap;                               ///< the one that won
+  Transform<Submap, Camera> submap_from_camera;  ///< survives every later release
+  int inliers = 0;
+  double rms_px = 0;
+};
+
+/// One answer: a value also when there is no pose.
+struct Localisation {
+  LocalisationStatus status = LocalisationStatus::kTooFewFeatures;
+  std::string reason;  ///< one sentence with figures
+  std::uint64_t epoch = 0;
+  std::optional<LocalisedPose> pose;  ///< present exactly when kLocalised
+  StageTimes times;
+};
+
+struct LocaliserOptions {
+  mapping::FeatureOptions features{.max_features = 2000};
+  int min_inliers = 15;     ///< fewer is no pose; 15 keeps chance agreement below 1 in 10^4
+  double max_error_px = 6;  ///< reprojection error of an inlier
+  double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
+  std::uint64_t seed = 1;
+
+  Result<void> Validate() const;
+};
+
+/// Answers requests against one release. Immutable, thread-safe: many threads may ask at once.
+/// Deterministic for a given request, release and options.
+class Localiser {
+ public:
+  /// Opens every submap of the release. Errors: those of the map directory and its submaps.
+  static Result<std::shared_ptr<const Localiser>> Create(const mapping::MapDirectory& map,
+                                                         const mapping::Release& release,
+                                                         const LocaliserOptions& options);
+  ~Localiser();
+
+  std::uint64_t epoch() const;
+  Localisation Localise(const LocalisationRequest& request) const;
+
+ private:
+  struct Impl;
+
+  explicit Localiser(std::unique_ptr<const Impl> impl);
+
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace waymark::localiser

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mapping/base/file.h"
+#include "mapping/base/result.h"
+#include "mapping/geometry/geodesy.h"
+#include "mapping/store/release.h"
+
+namespace waymark::mapping {
+
+/// What MAP/map.json says.
+struct MapDescription {
+  std::string id;              ///< UUID
+  GeoPoint origin;             ///< of the map frame; fixed for the life of the map
+  bool is_geo_aligned = true;  ///< false: made without GNSS, the origin means nothing
+  std::string options_json;    ///< the mapping options it was made with
+};
+
+/// A map on disk; layout in mapping/FORMAT.md. Thread-compatible. Reading needs no lock: files are
+/// immutable and `current` is replaced atomically. Writers take the lock.
+class MapDirectory {
+ public:
+  /// Errors: Conflict when the folder holds something else.
+  static Result<MapDirectory> Create(const std::filesystem::path& folder,
+                                     const MapDescription& description);
+  /// Errors: NotFound (no map there), Corrupt, Unsupported (made by another format version).
+  static Result<MapDirectory> Open(const std::filesystem::path& folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const MapDescription& description() const { return description_; }
+
+  /// Errors: Conflict when another process writes this map.
+  Result<FileLock> LockForWriting() const;
+
+  std::filesystem::path SubmapPath(const SubmapId& id) const;
+  std::filesystem::path ExperienceFolder(const ExperienceId& id) const;
+  std::filesystem::path ReleasePath(std::uint64_t epoch) const;
+
+  /// The live epoch; nullopt before the first release.
+  Result<std::optional<std::uint64_t>> LoadCurrentEpoch() const;
+  Result<Release> LoadRelease(std::uint64_t epoch) const;
+  /// NotFound before the first release.
+  Result<Release> LoadCurrentRelease() const;
+
+  /// Writes submap bytes under their content hash; storing the same again is a no-op.
+  Result<SubmapId> StoreSubmap(std::span<const std::uint8_t> bytes) const;
+  /// Errors: Conflict when the epoch exists with other content.
+  Result<void> StoreRelease(const Release& release) const;
+  /// Makes an existing release the live one. Atomic.
+  Result<void> Deploy(std::uint64_t epoch) const;
+
+ private:
+  MapDirectory(std::filesystem::path folder, MapDescription description)
+      : folder_(std::move(folder)), description_(std::move(description)) {}
+
+  std::filesystem::path folder_;
+  MapDescription description_;
+};
+
+}  // namespace waymark::mapping

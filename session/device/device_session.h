@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "localiser/odometry_alignment.h"
+#include "mapping/base/id.h"
+#include "mapping/base/result.h"
+#include "mapping/base/time.h"
+#include "mapping/geometry/camera_model.h"
+#include "mapping/geometry/frames.h"
+#include "mapping/geometry/geodesy.h"
+
+namespace waymark::session {
+
+struct DeviceOptions {
+  std::string server = "127.0.0.1";  ///< host or address of waymark-serve
+  int dds_domain = 0;                ///< [0, 230]; must equal the server's
+  RoomId room{"lobby"};
+  std::string name = "phone";                            ///< shown to the others
+  std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
+  int jpeg_quality = 85;                                 ///< [30, 100]
+  std::chrono::duration<double> request_timeout{5.0};
+  localiser::AlignmentOptions alignment;
+
+  Result<void> Validate() const;
+};
+
+/// A camera image of the phone, 8-bit luminance.
+struct DeviceFrame {
+  int width_px = 0;
+  int height_px = 0;
+  std::vector<std::uint8_t> pixels;
+  CameraModel camera;
+  Transform<Device, Camera> device_from_camera;
+  Transform<Vo, Device> vo_from_device;
+  DeviceTime time;
+  std::optional<GeoPoint> gnss;
+  double gnss_sigma_m = 10;
+};
+
+/// Where this phone is now.
+struct DevicePose {
+  localiser::AlignmentState state = localiser::AlignmentState::kNever;
+  std::optional<Transform<Map, Device>> map_from_device;  ///< absent while never localised
+  Eigen::Matrix<double, 6, 6> covariance;
+  std::uint64_t epoch = 0;
+  DeviceTime time;
+};
+
+/// Another phone of the room, as last heard.
+struct OtherDevice {
+  DeviceId id;
+  std::string name;
+  bool is_present = true;
+  std::optional<Transform<Map, Device>> map_from_device;
+  std::uint64_t epoch = 0;
+  std::chrono::duration<double> age{0};  ///< of the pose when asked
+};
+
+struct SharedAnchor {
+  AnchorId id;
+  DeviceId owner;
+  Transform<Map, Anchor> map_from_anchor;
+  std::uint64_t epoch = 0;
+  std::uint64_t revision = 0;
+  std::string kind;
+  std::string payload;
+};
+
+/// Counters for people and tests.
+struct DeviceStatistics {
+  int keyframes_sent = 0;
+  int fixes = 0;
+  int refusals = 0;  ///< the server answered "not localised" or "busy"
+  int timeouts = 0;
+  std::vector<double> fix_latency_ms;  ///< image pushed until fix applied
+};
+
+/// What a phone app links: joins a room and keeps odometry, map, other phones and anchors together.
+/// Thread-safe; calls do not block on the network unless they say so. Errors name the server.
+class DeviceSession {
+ public:
+  /// Joins, waiting for the server's welcome at most the request timeout.
+  /// Errors: Unavailable (no server there), InvalidArgument, Conflict (room refuses).
+  static Result<std::unique_ptr<DeviceSession>> Join(const DeviceOptions& options);
+  virtual ~DeviceSession() = default;
+
+  virtual const DeviceId& id() const = 0;
+  /// Hands over a frame; a keyframe is sent when the interval has passed and none is under way.
+  virtual Result<void> PushFrame(const DeviceFrame& frame) = 0;
+  /// Odometry between frames: cheap, at the rate the phone has it; publishes the live pose.
+  virtual void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) = 0;
+  virtual DevicePose Pose() const = 0;
+  virtual std::vector<OtherDevice> Others() const = 0;
+
+  /// Places content relative to the phone's present pose. Waits for the durable acknowledgement.
+  /// Errors: Unavailable (never localised, or no answer), Conflict, InvalidArgument.
+  virtual Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
+                                           const std::string& kind, const std::string& payload) = 0;
+  /// Errors: Conflict when someone else changed it first; NotFound.
+  virtual Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
+                                          const Transform<Map, Anchor>& map_from_anchor) = 0;
+  virtual Result<void> DeleteAnchor(const SharedAnchor& anchor) = 0;
+  /// All anchors of the room; complete once `HasSnapshot`.
+  virtual std::vector<SharedAnchor> Anchors() const = 0;
+  virtual bool HasSnapshot() const = 0;
+
+  virtual DeviceStatistics Statistics() const = 0;
+  /// Leaves at once for the others; the destructor does it too.
+  virtual void Leave() = 0;
+};
+
+}  // namespace waymark::session
