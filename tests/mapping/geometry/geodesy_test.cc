@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <limits>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -14,8 +15,8 @@ GeoPoint Place(double latitude_degrees, double longitude_degrees, double height_
 
 TEST(TangentPlane, RoundTripsToAMicrometre) {
   const TangentPlane plane(Place(37.7749, -122.4194, 15));
-  for (const Eigen::Vector3d x :
-       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1000, -2000, 30), Eigen::Vector3d(-50, 20, -5)}) {
+  const std::vector<Eigen::Vector3d> positions{{0, 0, 0}, {1000, -2000, 30}, {-50, 20, -5}};
+  for (const Eigen::Vector3d& x : positions) {
     const GeoPoint place = plane.ToGeo(Point<Map>(x));
     EXPECT_LT((plane.ToMap(place).coordinates() - x).norm(), 1e-6);
   }
