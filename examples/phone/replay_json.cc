@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "examples/phone/replay_json.h"
+
+#include <nlohmann/json.hpp>
+
+namespace waymark::phone {
+namespace {
+
+using Json = nlohmann::json;
+
+Json EncodePose(const Rigid3& pose) {
+  const auto& t = pose.translation();
+  const auto& q = pose.rotation();
+  return Json::array({t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
+}
+
+std::string_view StateName(localiser::AlignmentState state) {
+  switch (state) {
+    case localiser::AlignmentState::kNever:
+      return "never";
+    case localiser::AlignmentState::kCoarse:
+      return "coarse";
+    case localiser::AlignmentState::kFixed:
+      return "fixed";
+    case localiser::AlignmentState::kStale:
+      return "stale";
+  }
+  return "unknown";
+}
+
+Json EncodeTrack(const Replay& replay, const Walk& walk) {
+  Json track = Json::array();
+  for (const TrackPoint& point : replay.track) {
+    Json pose;
+    if (point.pose.map_from_device) {
+      pose = EncodePose((*point.pose.map_from_device * walk.device_from_camera).rigid());
+    }
+    track.push_back({{"image", point.image},
+                     {"seconds", point.seconds},
+                     {"state", StateName(point.pose.state)},
+                     {"epoch", point.pose.epoch},
+                     {"map_from_camera", pose},
+                     {"others", point.others_present},
+                     {"oldest_other_s", point.oldest_other_s}});
+  }
+  return track;
+}
+
+Json EncodeAnchors(const Replay& replay) {
+  Json anchors = Json::array();
+  for (const auto& anchor : replay.anchors) {
+    Json first_seen;
+    for (const auto& sighting : replay.sightings) {
+      if (sighting.id == anchor.id) first_seen = sighting.first_seen_s;
+    }
+    anchors.push_back({{"id", anchor.id.text()},
+                       {"owner", anchor.owner.text()},
+                       {"kind", anchor.kind},
+                       {"payload", anchor.payload},
+                       {"revision", anchor.revision},
+                       {"epoch", anchor.epoch},
+                       {"map_from_anchor", EncodePose(anchor.map_from_anchor.rigid())},
+                       {"first_seen_s", first_seen}});
+  }
+  return anchors;
+}
+
+}  // namespace
+
+std::string EncodeReplay(const Replay& replay, const Walk& walk, const std::string& name,
+                         const DeviceId& device, const session::DeviceStatistics& statistics) {
+  const Json json = {{"name", name},
+                     {"device", device.text()},
+                     {"statistics",
+                      {{"keyframes_sent", statistics.keyframes_sent},
+                       {"fixes", statistics.fixes},
+                       {"refusals", statistics.refusals},
+                       {"timeouts", statistics.timeouts},
+                       {"fix_latency_ms", statistics.fix_latency_ms}}},
+                     {"track", EncodeTrack(replay, walk)},
+                     {"placed", replay.placed ? Json(replay.placed->text()) : Json()},
+                     {"place_error", replay.place_error},
+                     {"anchors", EncodeAnchors(replay)}};
+  // Names and payloads are other people's bytes: what is not UTF-8 is replaced, never thrown at.
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace waymark::phone
