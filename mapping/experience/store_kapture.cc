@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <string>
+
+#include "mapping/base/file.h"
+#include "mapping/experience/internal/kapture_table.h"
+#include "mapping/experience/kapture.h"
+#include "mapping/experience/names.h"
+
+namespace waymark::mapping {
+namespace {
+
+/// Appends formatted text to a table.
+template <typename... Args>
+void Append(std::string& table, fmt::format_string<Args...> format, Args&&... args) {
+  fmt::format_to(std::back_inserter(table), format, std::forward<Args>(args)...);
+}
+
+std::string NewTable(std::string_view columns) {
+  return fmt::format("{}\n# {}\n", internal::kKaptureHeader, columns);
+}
+
+/// kapture has no quoting, so a field must survive splitting at commas and trimming.
+Result<void> CheckField(std::string_view text, std::string_view what) {
+  const bool is_whole = !text.empty() && text.size() <= 1000 && IsPrintableText(text) &&
+                        text.find(',') == std::string_view::npos && text.front() != '#' &&
+                        text.front() != ' ' && text.back() != ' ';
+  if (is_whole) return {};
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "kapture {}: expected printable text without commas or outer blanks, found {}",
+                   what, internal::Quoted(text));
+}
+
+Result<void> CheckTime(SensorTime time) {
+  if (ToNanoseconds(time) >= 0 && ToNanoseconds(time) < std::int64_t{1} << 62) return {};
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "kapture timestamp: expected nanoseconds from 0 to 2^62, found {}",
+                   ToNanoseconds(time));
+}
+
+void AppendPose(std::string& table, const Rigid3& pose) {
+  const auto& q = pose.rotation();
+  const auto& t = pose.translation();
+  Append(table, "{}, {}, {}, {}, {}, {}, {}\n", q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
+}
+
+Result<void> AppendCamera(std::string& table, const CameraSensor& camera) {
+  WAYMARK_TRY(CheckField(camera.id, "camera id"));
+  const CameraModel& model = camera.model;
+  Append(table, "{}, , camera, {}, {}, {}", camera.id,
+         camera.has_known_focal ? CameraKindName(model.kind()) : "UNKNOWN_CAMERA", model.width_px(),
+         model.height_px());
+  if (camera.has_known_focal) {
+    for (const double parameter : model.parameters()) Append(table, ", {}", parameter);
+  }
+  table += '\n';
+  return {};
+}
+
+/// Notes a sensor that only its records mention.
+template <typename Record>
+Result<void> CollectSensors(const std::vector<Record>& records, std::string_view type,
+                            std::map<std::string, std::string_view>& types) {
+  for (const Record& record : records) {
+    const auto [entry, is_new] = types.emplace(record.sensor, type);
+    if (is_new) WAYMARK_TRY(CheckField(record.sensor, "sensor id"));
+    if (entry->second == type) continue;
+    return MakeError(ErrorCode::kInvalidArgument, "sensor {}: expected one type, found {} and {}",
+                     record.sensor, entry->second, type);
+  }
+  return {};
+}
+
+/// Sensors that stand in a rig or a trajectory without any record are not declared elsewhere, so
+/// the reader would refuse them.
+Result<void> CheckDevices(const Experience& experience,
+                          const std::map<std::string, std::string_view>& types) {
+  std::map<std::string, std::string_view> devices = types;
+  for (const RigMember& member : experience.rigs) {
+    WAYMARK_TRY(CheckField(member.rig, "rig id"));
+    devices.emplace(member.rig, "rig");
+    if (types.contains(member.sensor)) continue;
+    return MakeError(ErrorCode::kInvalidArgument, "rig {}: expected known sensors, found {}",
+                     member.rig, member.sensor);
+  }
+  for (const TrajectoryRecord& record : experience.trajectory) {
+    if (devices.contains(record.device)) continue;
+    return MakeError(ErrorCode::kInvalidArgument, "trajectory: expected known devices, found {}",
+                     record.device);
+  }
+  return {};
+}
+
+Result<std::string> EncodeSensors(const Experience& experience) {
+  std::string table = NewTable("sensor_id, name, sensor_type, [sensor_params]+");
+  std::map<std::string, std::string_view> types;
+  for (const auto& [id, camera] : experience.cameras) {
+    types.emplace(id, "camera");
+    WAYMARK_TRY(AppendCamera(table, camera));
+  }
+  WAYMARK_TRY(CollectSensors(experience.gnss, "gnss", types));
+  WAYMARK_TRY(CollectSensors(experience.accelerometer, "accelerometer", types));
+  WAYMARK_TRY(CollectSensors(experience.gyroscope, "gyroscope", types));
+  for (const auto& [id, type] : types) {
+    if (type == "camera") continue;
+    Append(table, "{}, , {}{}\n", id, type, type == "gnss" ? ", EPSG:4326" : "");
+  }
+  WAYMARK_TRY(CheckDevices(experience, types));
+  return table;
+}
+
+Result<std::string> EncodeImages(const Experience& experience) {
+  std::string table = NewTable("timestamp, device_id, image_path");
+  for (const ImageRecord& image : experience.images) {
+    WAYMARK_TRY(CheckTime(image.time));
+    WAYMARK_TRY(CheckField(image.name, "image name"));
+    if (!IsImageName(image.name) || !experience.cameras.contains(image.camera)) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "image {}: expected a path inside records_data and a known camera, found {}",
+                       internal::Quoted(image.name), internal::Quoted(image.camera));
+    }
+    Append(table, "{}, {}, {}\n", ToNanoseconds(image.time), image.camera, image.name);
+  }
+  return table;
+}
+
+Result<std::string> EncodeGnss(const Experience& experience) {
+  std::string table = NewTable("timestamp, device_id, x, y, z, utc, dop");
+  for (const GnssRecord& record : experience.gnss) {
+    WAYMARK_TRY(CheckTime(record.time));
+    WAYMARK_TRY(record.place.Validate());
+    if (!(record.sigma_m > 0 && record.sigma_m <= internal::kMaxGnssSigmaM) ||
+        !(std::abs(record.place.ellipsoid_height_m) <= internal::kMaxHeightM)) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "gnss {}: expected a sigma above 0 and a height near the ground, found {} m "
+                       "and {} m",
+                       record.sensor, record.sigma_m, record.place.ellipsoid_height_m);
+    }
+    Append(table, "{}, {}, {}, {}, {}, 0, {}\n", ToNanoseconds(record.time), record.sensor,
+           record.place.longitude.degrees(), record.place.latitude.degrees(),
+           record.place.ellipsoid_height_m, record.sigma_m);
+  }
+  return table;
+}
+
+Result<std::string> EncodeImu(const std::vector<ImuRecord>& records) {
+  std::string table = NewTable("timestamp, device_id, x, y, z");
+  for (const ImuRecord& record : records) {
+    WAYMARK_TRY(CheckTime(record.time));
+    if (!record.value.allFinite()) {
+      return MakeError(ErrorCode::kInvalidArgument, "sensor {}: expected finite values",
+                       record.sensor);
+    }
+    Append(table, "{}, {}, {}, {}, {}\n", ToNanoseconds(record.time), record.sensor,
+           record.value.x(), record.value.y(), record.value.z());
+  }
+  return table;
+}
+
+std::string EncodeRigs(const Experience& experience) {
+  std::string table = NewTable("rig_id, sensor_id, qw, qx, qy, qz, tx, ty, tz");
+  for (const RigMember& member : experience.rigs) {
+    Append(table, "{}, {}, ", member.rig, member.sensor);
+    AppendPose(table, member.sensor_from_rig);
+  }
+  return table;
+}
+
+Result<std::string> EncodeTrajectory(const Experience& experience) {
+  std::string table = NewTable("timestamp, device_id, qw, qx, qy, qz, tx, ty, tz");
+  for (const TrajectoryRecord& record : experience.trajectory) {
+    WAYMARK_TRY(CheckTime(record.time));
+    Append(table, "{}, {}, ", ToNanoseconds(record.time), record.device);
+    AppendPose(table, record.device_from_world);
+  }
+  return table;
+}
+
+}  // namespace
+
+Result<void> StoreKapture(const Experience& experience, const std::filesystem::path& folder) {
+  WAYMARK_TRY_ASSIGN(const std::string sensors, EncodeSensors(experience));
+  WAYMARK_TRY_ASSIGN(const std::string images, EncodeImages(experience));
+  WAYMARK_TRY_ASSIGN(const std::string gnss, EncodeGnss(experience));
+  WAYMARK_TRY_ASSIGN(const std::string accelerometer, EncodeImu(experience.accelerometer));
+  WAYMARK_TRY_ASSIGN(const std::string gyroscope, EncodeImu(experience.gyroscope));
+  WAYMARK_TRY_ASSIGN(const std::string trajectory, EncodeTrajectory(experience));
+  const auto tables = folder / "sensors";
+  WAYMARK_TRY(CreateFolders(tables / "records_data"));
+  const auto store = [&](std::string_view name, bool is_needed,
+                         std::string_view text) -> Result<void> {
+    if (is_needed) return StoreFileAtomically(tables / name, text);
+    std::error_code ignored;
+    std::filesystem::remove(tables / name, ignored);  // of an experience stored here before
+    return {};
+  };
+  WAYMARK_TRY(store("rigs.txt", !experience.rigs.empty(), EncodeRigs(experience)));
+  WAYMARK_TRY(store("records_camera.txt", true, images));
+  WAYMARK_TRY(store("records_gnss.txt", !experience.gnss.empty(), gnss));
+  WAYMARK_TRY(store("records_accelerometer.txt", !experience.accelerometer.empty(), accelerometer));
+  WAYMARK_TRY(store("records_gyroscope.txt", !experience.gyroscope.empty(), gyroscope));
+  WAYMARK_TRY(store("trajectories.txt", !experience.trajectory.empty(), trajectory));
+  return store("sensors.txt", true, sensors);  // last: without it the folder is no kapture
+}
+
+}  // namespace waymark::mapping
