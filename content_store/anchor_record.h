@@ -20,15 +20,15 @@ struct SubmapAttachment {
 
 /// Content that stays where it was put.
 struct AnchorRecord {
-  AnchorId id;  ///< UUID, chosen by the client so that a retry is not a second anchor
-  RoomId room;
-  std::string owner;  ///< DeviceId text of who created it
-  Transform<Map, Anchor> map_from_anchor;
-  std::uint64_t epoch = 1;                    ///< map release that map_from_anchor is in
-  std::vector<SubmapAttachment> attachments;  ///< at most 3, best first
-  GeoPoint place;                             ///< of the anchor's origin
-  std::string kind;                           ///< application's word for it, at most 255 bytes
-  std::string payload;                        ///< at most 64 KiB, opaque
+  AnchorId id;  ///< UUID in lower case, chosen by the client so that a retry is no second anchor
+  RoomId room;  ///< with the id it names the anchor: UTF-8, 1 to 255 bytes
+  std::string owner{};  ///< DeviceId text of who created it: UTF-8, at most 255 bytes
+  Transform<Map, Anchor> map_from_anchor{};
+  std::uint64_t epoch = 1;                      ///< map release that map_from_anchor is in
+  std::vector<SubmapAttachment> attachments{};  ///< at most 3, best first
+  GeoPoint place{};                             ///< of the anchor's origin
+  std::string kind{};     ///< application's word for it: UTF-8, at most 255 bytes
+  std::string payload{};  ///< at most 64 KiB, opaque
   std::int64_t created_utc_ms = 0;
   std::int64_t changed_utc_ms = 0;
   std::uint64_t revision = 0;  ///< of the store when this state was written; set by the store

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "content_store/internal/sql_session.h"
+
+#include <soci/sqlite3/soci-sqlite3.h>
+
+#include <string>
+
+#include "content_store/internal/schema.h"
+
+namespace waymark::content::internal {
+namespace {
+
+/// SQLite's primary result codes by what a caller can do about them.
+ErrorCode CodeOf(int sqlite_result) {
+  switch (sqlite_result & 0xff) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+    case SQLITE_NOMEM:
+    case SQLITE_IOERR:
+    case SQLITE_FULL:
+    case SQLITE_CANTOPEN:
+    case SQLITE_READONLY:
+    case SQLITE_PERM:
+    case SQLITE_AUTH:
+    case SQLITE_PROTOCOL:
+    case SQLITE_INTERRUPT:
+      return ErrorCode::kUnavailable;
+    default:  // CORRUPT, NOTADB, and what only a damaged database makes our fixed statements do
+      return ErrorCode::kCorrupt;
+  }
+}
+
+std::string_view Explanation(int sqlite_result) {
+  switch (sqlite_result & 0xff) {
+    case SQLITE_BUSY:
+      return " (another process is writing)";
+    case SQLITE_NOTADB:
+      return " (expected an anchor store)";
+    default:
+      return "";
+  }
+}
+
+}  // namespace
+
+SqlSession::SqlSession(const std::filesystem::path& file, const std::string& connection)
+    : file_(file), sql_(soci::sqlite3, connection) {}
+
+Result<std::unique_ptr<SqlSession>> SqlSession::Open(const std::filesystem::path& file,
+                                                     const SqliteStoreOptions& options) {
+  WAYMARK_TRY(options.Validate());
+  // Absolute, so that SQLite reads no special meaning into it; the quote would end SOCI's value.
+  const std::string path = std::filesystem::absolute(file).lexically_normal().string();
+  if (path.find('"') != std::string::npos || path.find('\0') != std::string::npos) {
+    return MakeError(ErrorCode::kInvalidArgument, "{}: expected a path without quotation marks",
+                     path);
+  }
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return MakeError(ErrorCode::kUnavailable, "{}: expected a file, found a folder", path);
+  }
+  if (options.mode == OpenMode::kExisting && !std::filesystem::exists(path, ignored)) {
+    return MakeError(ErrorCode::kNotFound, "{}: there is no anchor store", path);
+  }
+  std::unique_ptr<SqlSession> session;
+  try {
+    session.reset(
+        new SqlSession(file, fmt::format("db=\"{}\" timeout={}", path, options.busy_timeout_s)));
+  } catch (const std::exception& exception) {
+    return MakeError(ErrorCode::kUnavailable, "{}: cannot open: {}", path, exception.what());
+  }
+  WAYMARK_TRY(session->Guard([&] { return PrepareSchema(session->sql(), file, options.mode); }));
+  return session;
+}
+
+bool SqlSession::failed_to_sync() {
+  const auto* backend = static_cast<soci::sqlite3_session_backend*>(sql_.get_backend());
+  const int code = sqlite_api::sqlite3_extended_errcode(backend->conn_);
+  return code == SQLITE_IOERR_FSYNC || code == SQLITE_IOERR_DIR_FSYNC;
+}
+
+Error SqlSession::Describe(const std::exception& exception) const {
+  const auto* from_sqlite = dynamic_cast<const soci::sqlite3_soci_error*>(&exception);
+  const int code = from_sqlite != nullptr ? from_sqlite->result() : SQLITE_ERROR;
+  if (dynamic_cast<const std::bad_alloc*>(&exception) != nullptr) {
+    return MakeError(ErrorCode::kUnavailable, "{}: out of memory", file_.string());
+  }
+  return MakeError(CodeOf(code), "{}: {}{}", file_.string(), exception.what(), Explanation(code));
+}
+
+}  // namespace waymark::content::internal
