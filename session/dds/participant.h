@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "mapping/base/result.h"
+#include "session/dds/entity.h"
+
+namespace waymark::session::dds {
+
+/// How a process takes part in the star: the server at a fixed port, everyone else talking to it
+/// alone. Unicast only, so that it works on any interface, `lo` included.
+struct ParticipantOptions {
+  enum class Role { kServer, kClient };
+
+  Role role = Role::kClient;
+  int domain = 0;                    ///< [0, 230]; decides the server's UDP ports
+  std::string server = "127.0.0.1";  ///< host name or IPv4 address; for the server its own
+  std::string lease = "3 s";         ///< a silent peer is dropped after this
+  int transmit_loss_per_mille = 0;   ///< own packets thrown away, [0, 999]; for tests of bad links
+  std::size_t max_sample_bytes = 6 * 1024 * 1024;  ///< larger ones are dropped unread
+
+  Result<void> Validate() const;
+};
+
+/// The UDP port on which the server of a domain is found.
+int ServerPort(int domain);
+
+/// A DDS domain of its own with one participant in it; several in one process do not share state.
+/// Thread-safe.
+class Participant {
+ public:
+  /// Errors: InvalidArgument, NotFound (unknown host), Conflict (another server has the port),
+  /// Unavailable.
+  static Result<Participant> Create(const ParticipantOptions& options);
+
+  std::int32_t handle() const { return participant_.handle(); }
+
+  /// The topic of that name; created once. `descriptor` is the generated <type>_desc.
+  Result<std::int32_t> FindOrCreateTopic(const std::string& name, const void* descriptor);
+
+ private:
+  Participant(Entity domain, Entity participant)
+      : domain_(std::move(domain)), participant_(std::move(participant)) {}
+
+  Entity domain_;
+  Entity participant_;
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+  std::map<std::string, Entity> topics_;  // guarded by mutex_
+};
+
+}  // namespace waymark::session::dds

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "content_store/anchor_record.h"
+#include "localiser/localiser.h"
+#include "mapping/base/id.h"
+#include "mapping/base/time.h"
+#include "mapping/geometry/camera_model.h"
+#include "mapping/geometry/frames.h"
+#include "mapping/geometry/geodesy.h"
+#include "session/state/uuid.h"
+
+/// What devices and the server say to each other, as plain values; idl/README.md has the topics.
+namespace waymark::session {
+
+inline constexpr std::uint32_t kProtocol = 1;
+
+// Nothing that arrives may exceed these; the store and the bus rely on them.
+inline constexpr std::size_t kMaxNameBytes = 64;
+inline constexpr std::size_t kMaxKindBytes = 255;
+inline constexpr std::size_t kMaxReasonBytes = 255;
+inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
+inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
+inline constexpr std::size_t kMaxAttachments = 3;
+inline constexpr std::size_t kMaxPosesPerBatch = 27;  ///< 27 * 48 octets fit one fragment
+inline constexpr double kMaxCoordinate_m = 1e6;
+
+enum class RunId : std::uint64_t {};          ///< one life of a server process
+enum class Ticket : std::uint64_t {};         ///< a device's name in what it says to the server
+enum class DeviceNumber : std::uint32_t {};   ///< a device's name in pose batches of one run
+enum class RequestNumber : std::uint32_t {};  ///< of a localisation, counted by the device
+
+// ---- joining ----------------------------------------------------------------------------------
+
+struct Hello {
+  DeviceId device;  ///< UUID, chosen by the device and kept for its life
+  std::uint32_t protocol = kProtocol;
+  std::uint32_t attempt = 1;  ///< grows with every join of this device
+  RoomId room;                ///< 1 to 64 of A-Z a-z 0-9 _ -
+  std::string name;           ///< at most 64 bytes of printable UTF-8
+};
+
+enum class JoinVerdict : std::uint8_t { kAccepted, kInvalid, kRefused, kUnavailable };
+
+/// Which map a room stands in.
+struct MapIdentity {
+  std::string map;
+  bool is_geo_aligned = true;
+  GeoPoint origin;
+  std::uint64_t epoch = 1;
+};
+
+struct Welcome {
+  DeviceId device;
+  std::uint32_t attempt = 0;  ///< of the Hello it answers
+  JoinVerdict verdict = JoinVerdict::kAccepted;
+  std::string reason;  ///< empty when accepted
+  RunId run{};
+  Ticket ticket{};
+  DeviceNumber number{};
+  MapIdentity map;
+  ServerTime session_time;
+};
+
+struct Presence {
+  DeviceId device;
+  DeviceNumber number{};
+  std::string name;
+  RunId run{};
+};
+
+// ---- live poses -------------------------------------------------------------------------------
+
+struct LivePose {
+  std::uint64_t epoch = 1;
+  ServerTime time;
+  Transform<Map, Device> map_from_device;
+  double sigma_m = 0;  ///< of the position
+};
+
+struct PoseReport {
+  Ticket ticket{};
+  LivePose pose;
+};
+
+struct SharedPose {
+  DeviceNumber number{};
+  LivePose pose;
+};
+
+struct PoseBatch {
+  std::uint32_t chunk = 0;
+  std::uint32_t tick = 0;
+  RunId run{};
+  std::vector<SharedPose> poses;
+};
+
+// ---- localisation -----------------------------------------------------------------------------
+
+struct GeoPrior {
+  GeoPoint position;
+  double sigma_m = 10;
+};
+
+struct LocaliseQuery {
+  Ticket ticket{};
+  RequestNumber request{};
+  DeviceTime time;  ///< when the image was taken
+  CameraModel camera;
+  std::optional<GeoPrior> prior;
+  std::optional<Eigen::Vector3d> up_in_camera;
+  std::vector<std::uint8_t> image;  ///< JPEG
+};
+
+enum class LocaliseStatus : std::uint8_t {
+  kLocalised,
+  kTooFewFeatures,
+  kNothingNear,
+  kTooFewMatches,
+  kNoConsistentPose,
+  kBusy,
+  kInvalidImage,
+};
+
+struct LocaliseAnswer {
+  DeviceId device;
+  RequestNumber request{};
+  LocaliseStatus status = LocaliseStatus::kBusy;
+  std::string reason;
+  std::uint64_t epoch = 1;
+  std::optional<localiser::LocalisedPose> pose;  ///< present exactly when kLocalised
+  double queue_ms = 0;
+  localiser::StageTimes times;
+};
+
+// ---- anchors ----------------------------------------------------------------------------------
+
+struct RoomAnchor {
+  content::AnchorRecord record;
+  bool is_supported = true;  ///< false: none of its submaps is left in the map
+};
+
+struct AnchorState {
+  RunId run{};
+  RoomAnchor anchor;  ///< room, place and times do not travel
+};
+
+enum class AnchorOperation : std::uint8_t { kCreate, kMove, kDelete };
+
+struct AnchorCommand {
+  Ticket ticket{};
+  Uuid request{};  ///< the same in every repetition
+  AnchorOperation operation = AnchorOperation::kCreate;
+  AnchorId anchor;
+  std::uint64_t expected_revision = 0;  ///< move, delete
+  std::uint64_t epoch = 1;              ///< of map_from_anchor
+  Transform<Map, Anchor> map_from_anchor;
+  std::vector<SubmapId> seen_in;  ///< submaps of the fixes it stands on, best first
+  std::string kind;               ///< create
+  std::string payload;            ///< create
+};
+
+enum class CommandOutcome : std::uint8_t { kApplied, kConflict, kNotFound, kInvalid, kUnavailable };
+
+struct CommandReply {
+  DeviceId device;
+  Uuid request{};
+  CommandOutcome outcome = CommandOutcome::kApplied;
+  std::string reason;
+  AnchorId anchor;
+  std::optional<RoomAnchor> current;  ///< what stands there now; absent: nothing
+};
+
+struct RoomState {
+  RoomId room;
+  RunId run{};
+  std::uint64_t revision = 0;
+  std::uint64_t epoch = 1;
+  std::uint32_t anchor_count = 0;
+  std::uint64_t anchor_digest = 0;  ///< XOR of AnchorDigest over the anchors
+};
+
+/// What an anchor in this state adds to the digest of its room.
+std::uint64_t AnchorDigest(const AnchorId& anchor, std::uint64_t revision);
+
+// ---- clock ------------------------------------------------------------------------------------
+
+struct ClockPing {
+  Ticket ticket{};
+  std::uint32_t sequence_number = 0;
+  DeviceTime sent;
+};
+
+struct ClockPong {
+  DeviceId device;
+  std::uint32_t sequence_number = 0;
+  DeviceTime device_sent;
+  ServerTime received;
+  ServerTime sent;
+  RunId run{};
+};
+
+}  // namespace waymark::session

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "mapping/base/log.h"
+#include "session/dds/endpoint.h"
+#include "session/wire/internal/codec.h"
+
+/// Topics, partitions, and typed endpoints on them; idl/README.md says why each is as it is.
+namespace waymark::session::wire {
+
+template <typename Message>
+dds::Topic TopicOf();
+
+// One prefix per room, so that a permission can be given for a room.
+inline std::string UpPartition(const RoomId& room) { return "room." + room.text() + ".up"; }
+inline std::string AnyUpPartition() { return "room.*.up"; }
+inline std::string DownPartition(const RoomId& room) { return "room." + room.text() + ".down"; }
+inline std::string DevicePartition(const RoomId& room, const DeviceId& device) {
+  return "room." + room.text() + ".device." + device.text();
+}
+
+template <typename Message>
+Result<dds::Writer> MakeWriter(dds::Participant& participant, const std::string& partition) {
+  return dds::Writer::Create(participant, TopicOf<Message>(), partition);
+}
+
+template <typename Message>
+Result<void> Write(dds::Writer& writer, const Message& message) {
+  Scratch scratch;
+  const auto wire = Encode(message, scratch);
+  return writer.Write(&wire);
+}
+
+/// Hands decoded messages to `on_message` and ended instances to `on_end` (with how they ended and
+/// the key in the generated type). What does not decode is counted and goes no further.
+template <typename Message, typename OnMessage, typename OnEnd>
+Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string& partition,
+                               std::atomic<std::uint64_t>& rejected, OnMessage on_message,
+                               OnEnd on_end) {
+  const dds::Topic topic = TopicOf<Message>();
+  return dds::Reader::Create(
+      participant, topic, partition,
+      [&rejected, name = topic.name, on_message = std::move(on_message),
+       on_end = std::move(on_end)](dds::Arrival arrival, const void* sample) {
+        const auto& wire = *static_cast<const WireOf<Message>*>(sample);
+        if (arrival != dds::Arrival::kSample) return on_end(arrival, wire);
+        Result<Message> message = Decode(wire);
+        if (message.ok()) return on_message(*std::move(message));
+        // One line for the first: a hostile peer must not fill the log.
+        if (rejected++ == 0) LogWarning("{}: {}", name, ToString(message.error()));
+      });
+}
+
+template <typename Message, typename OnMessage>
+Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string& partition,
+                               std::atomic<std::uint64_t>& rejected, OnMessage on_message) {
+  return MakeReader<Message>(participant, partition, rejected, std::move(on_message),
+                             [](dds::Arrival, const WireOf<Message>&) {});
+}
+
+}  // namespace waymark::session::wire

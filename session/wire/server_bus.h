@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <variant>
+
+#include "session/dds/participant.h"
+#include "session/state/messages.h"
+
+namespace waymark::session::wire {
+
+/// A device said goodbye, or its process is gone from the network.
+struct Farewell {
+  DeviceId device;
+};
+
+/// Anything a device may say.
+using Upward = std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing>;
+
+/// The server's end of the star. Messages arrive, already checked, on DDS threads: the handler only
+/// enqueues. Everything else is thread-compatible.
+class ServerBus {
+ public:
+  using Handler = std::function<void(Upward)>;
+
+  static Result<std::unique_ptr<ServerBus>> Create(const dds::ParticipantOptions& options,
+                                                   Handler handler);
+  ~ServerBus();
+
+  /// What is published to a room that is not open, or sent to a device that is not, goes nowhere.
+  Result<void> OpenRoom(const RoomId& room);
+  void CloseRoom(const RoomId& room);
+  Result<void> OpenDevice(const RoomId& room, const DeviceId& device);
+  void CloseDevice(const DeviceId& device);
+  bool IsOpen(const DeviceId& device) const;
+
+  Result<void> Publish(const RoomId& room, const Presence& presence);
+  Result<void> Publish(const RoomId& room, const PoseBatch& batch);
+  Result<void> Publish(const RoomId& room, const AnchorState& state);
+  Result<void> Publish(const RoomId& room, const RoomState& state);
+
+  /// Tells the room that it is over. `Forget`, some time later, frees the trace of it that the
+  /// history keeps for late joiners; too soon, and a reader with losses would miss the end.
+  Result<void> Withdraw(const RoomId& room, const DeviceId& device);
+  Result<void> Withdraw(const RoomId& room, const AnchorId& anchor);
+  void Forget(const RoomId& room, const DeviceId& device);
+  void Forget(const RoomId& room, const AnchorId& anchor);
+
+  /// To the device named in the message.
+  Result<void> Send(const Welcome& welcome);
+  Result<void> Send(const LocaliseAnswer& answer);
+  Result<void> Send(const CommandReply& reply);
+  Result<void> Send(const ClockPong& pong);
+
+  std::uint64_t RejectedMessages() const;  ///< did not decode
+
+ private:
+  struct Impl;
+
+  explicit ServerBus(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace waymark::session::wire
