@@ -13,10 +13,13 @@
 namespace waymark::mapping {
 
 /// The bytes of a submap file, deterministic: equal models give equal bytes, and so equal ids.
-/// Layout: mapping/FORMAT.md. Errors: InvalidArgument when indices are out of range.
+/// Layout: mapping/FORMAT.md. Decoding and encoding again gives the same bytes.
+/// Errors: InvalidArgument when an index is out of range, observations are not sorted, a number is
+/// not finite, or an experience id or image name is no IsExperienceIdText or IsImageName.
 Result<std::vector<std::uint8_t>> EncodeSubmap(const SubmapModel& model);
 
-/// The inverse, whole. Errors: Corrupt (checksum, bounds, truncation), Unsupported (version).
+/// The inverse, whole. Errors: Corrupt (checksum, bounds, truncation, a rule of EncodeSubmap that
+/// the content breaks), Unsupported (version).
 Result<SubmapModel> DecodeSubmap(std::span<const std::uint8_t> bytes);
 
 /// Pixel of an observation, as stored.
@@ -29,11 +32,13 @@ struct PixelF {
 /// decoded. Immutable, thread-safe.
 class SubmapView {
  public:
-  /// Checks header, section table and bounds; `check_payload` also verifies every checksum.
-  /// Errors: as DecodeSubmap, naming the path.
+  /// Checks header, section table, bounds, every index and that numbers are finite, so that a view
+  /// is safe to use whatever the file holds; `check_payload` also verifies every checksum, which
+  /// reads the whole file. Errors: as DecodeSubmap and MappedFile::Open, naming the path.
   static Result<SubmapView> Open(const std::filesystem::path& path, bool check_payload = true);
 
   const GeoPoint& origin() const { return origin_; }
+  bool is_geo_aligned() const { return is_geo_aligned_; }
   std::span<const CameraModel> cameras() const { return cameras_; }
   std::span<const SubmapImage> images() const { return images_; }
   const VerificationEvidence& evidence() const { return evidence_; }
@@ -52,6 +57,7 @@ class SubmapView {
 
   MappedFile file_;
   GeoPoint origin_;
+  bool is_geo_aligned_ = true;
   std::vector<CameraModel> cameras_;
   std::vector<SubmapImage> images_;
   VerificationEvidence evidence_;
