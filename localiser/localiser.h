@@ -13,16 +13,18 @@
 #include "mapping/base/id.h"
 #include "mapping/base/result.h"
 #include "mapping/features/features.h"
+#include "mapping/geometry/angle.h"
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/store/map_directory.h"
 
 namespace waymark::localiser {
 
-/// Where the phone believes to be, from its GNSS.
+/// Where the phone believes to be, from its GNSS. Heights are not compared.
 struct PositionPrior {
   Point<Map> position;
-  double radius_m = 50;  ///< submaps whose circle comes within this are searched
+  /// Submaps whose circle comes within this are searched; a pose beyond twice this is refused.
+  double radius_m = 50;
 };
 
 /// One question. The image is either pixels or features taken by the phone.
@@ -38,7 +40,8 @@ enum class LocalisationStatus : std::uint8_t {
   kTooFewFeatures,    ///< the image shows too little
   kNothingNear,       ///< no submap within the prior's radius
   kTooFewMatches,     ///< nothing in the map looks like it
-  kNoConsistentPose,  ///< matches agree on no pose, or gravity contradicts it
+  kNoConsistentPose,  ///< matches agree on no pose, on two, or gravity or prior contradicts it
+  kInvalidRequest,    ///< the request contradicts itself, for example image and camera in size
 };
 
 std::string_view LocalisationStatusName(LocalisationStatus status);  ///< "localised", …
@@ -74,6 +77,7 @@ struct LocaliserOptions {
   int min_inliers = 15;     ///< fewer is no pose; 15 keeps chance agreement below 1 in 10^4
   double max_error_px = 6;  ///< reprojection error of an inlier
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
+  Angle max_gravity_error = Angle::Degrees(8);  ///< phones and submaps are each good to 1 or 2
   std::uint64_t seed = 1;
 
   Result<void> Validate() const;
@@ -83,13 +87,16 @@ struct LocaliserOptions {
 /// Deterministic for a given request, release and options.
 class Localiser {
  public:
-  /// Opens every submap of the release. Errors: those of the map directory and its submaps.
+  /// Opens every submap of the release and indexes its descriptors; calls the C library's srand.
+  /// Errors: those of the map directory and its submaps; Corrupt when a file is not what its name,
+  /// a content hash, says or the release places it nowhere.
   static Result<std::shared_ptr<const Localiser>> Create(const mapping::MapDirectory& map,
                                                          const mapping::Release& release,
                                                          const LocaliserOptions& options);
   ~Localiser();
 
   std::uint64_t epoch() const;
+  std::size_t submap_count() const;
   Localisation Localise(const LocalisationRequest& request) const;
 
  private:

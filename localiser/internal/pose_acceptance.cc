@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localiser/internal/pose_acceptance.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <numbers>
+
+namespace waymark::localiser::internal {
+namespace {
+
+constexpr double kMaxLogFalsePoses = -4;  // one false pose in ten thousand images
+// Features and projected landmarks crowd together, so that wrong matches hit more often than if
+// both were spread evenly over the image.
+constexpr double kCrowding = 4;
+constexpr int kGrid = 8;
+constexpr std::size_t kMinGridCells = 5;
+constexpr double kMaxRelativeSigma = 0.05;  // of the distance, so that local maps need no metre
+
+double LogBinomial(std::size_t n, std::size_t k) {
+  const auto log_factorial = [](std::size_t x) { return std::lgamma(static_cast<double>(x) + 1); };
+  return (log_factorial(n) - log_factorial(k) - log_factorial(n - k)) / std::numbers::ln10;
+}
+
+std::size_t CountGridCells(std::span<const Eigen::Vector2d> pixels_px, const CameraModel& camera) {
+  std::bitset<kGrid * kGrid> touched;
+  for (const Eigen::Vector2d& pixel_px : pixels_px) {
+    const auto cell = [](double position, int size) {
+      return std::clamp(static_cast<int>(kGrid * position / size), 0, kGrid - 1);
+    };
+    touched.set(static_cast<std::size_t>(cell(pixel_px.y(), camera.height_px()) * kGrid +
+                                         cell(pixel_px.x(), camera.width_px())));
+  }
+  return touched.count();
+}
+
+}  // namespace
+
+double LogExpectedFalsePoses(std::size_t matches, std::size_t inliers, double chance) {
+  constexpr std::size_t kSample = 3;
+  if (inliers <= kSample || matches <= kSample) return std::log10(static_cast<double>(matches) + 1);
+  return std::log10(static_cast<double>(matches - kSample)) + LogBinomial(matches, inliers) +
+         LogBinomial(inliers, kSample) +
+         static_cast<double>(inliers - kSample) * std::log10(std::min(1.0, chance));
+}
+
+std::optional<std::string> FindReasonToRefuse(const PoseEvidence& evidence,
+                                              const CameraModel& camera) {
+  const double area_px2 = double{1} * camera.width_px() * camera.height_px();
+  const double chance =
+      kCrowding * std::numbers::pi * evidence.max_error_px * evidence.max_error_px / area_px2;
+  const double log_false =
+      LogExpectedFalsePoses(evidence.matches, evidence.inliers_px.size(), chance);
+  if (log_false > kMaxLogFalsePoses) {
+    return fmt::format(
+        "{} inliers among {} matches may be chance (1e{:.1f} expected, at most 1e{})",
+        evidence.inliers_px.size(), evidence.matches, log_false, kMaxLogFalsePoses);
+  }
+  const std::size_t cells = CountGridCells(evidence.inliers_px, camera);
+  if (cells < kMinGridCells) {
+    return fmt::format("{} inliers touch only {} of {} parts of the image, {} are needed",
+                       evidence.inliers_px.size(), cells, kGrid * kGrid, kMinGridCells);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(evidence.position_covariance,
+                                                              Eigen::EigenvaluesOnly);
+  const double sigma_m = std::sqrt(solver.eigenvalues().maxCoeff());
+  if (!(sigma_m <= kMaxRelativeSigma * evidence.median_distance_m)) {
+    return fmt::format("{} inliers at {:.1f} m leave the position uncertain by {:.2f} m",
+                       evidence.inliers_px.size(), evidence.median_distance_m, sigma_m);
+  }
+  return std::nullopt;
+}
+
+}  // namespace waymark::localiser::internal

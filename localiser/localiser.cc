@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localiser/localiser.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "localiser/internal/candidate.h"
+#include "localiser/internal/open_submap.h"
+#include "localiser/internal/stopwatch.h"
+
+namespace waymark::localiser {
+namespace {
+
+using internal::Candidate;
+using internal::OpenSubmap;
+using internal::Stopwatch;
+using mapping::GrayImage;
+using mapping::ImageFeatures;
+
+std::optional<std::string> FindContradiction(const LocalisationRequest& request) {
+  if (const auto* image = std::get_if<GrayImage>(&request.image)) {
+    if (image->width_px != request.camera.width_px() ||
+        image->height_px != request.camera.height_px()) {
+      return fmt::format("the image has {}x{} pixels, its camera {}x{}", image->width_px,
+                         image->height_px, request.camera.width_px(), request.camera.height_px());
+    }
+  } else {
+    const auto& features = std::get<ImageFeatures>(request.image);
+    if (features.keypoints.size() != features.descriptors.size()) {
+      return fmt::format("{} keypoints, but {} descriptors", features.keypoints.size(),
+                         features.descriptors.size());
+    }
+    for (const mapping::Keypoint& keypoint : features.keypoints) {
+      if (!request.camera.Contains({keypoint.x_px, keypoint.y_px})) {
+        return fmt::format("a keypoint at ({}, {}) is outside the image", keypoint.x_px,
+                           keypoint.y_px);
+      }
+    }
+  }
+  if (request.prior && !(request.prior->position.coordinates().allFinite() &&
+                         std::isfinite(request.prior->radius_m) && request.prior->radius_m > 0)) {
+    return "the prior is not finite, or its radius is not above 0";
+  }
+  if (request.up_in_camera && !(std::abs(request.up_in_camera->norm() - 1) < 0.01)) {
+    return fmt::format("gravity has length {}, expected 1", request.up_in_camera->norm());
+  }
+  return std::nullopt;
+}
+
+bool IsNear(const OpenSubmap& submap, const std::optional<PositionPrior>& prior) {
+  if (!prior) return true;
+  const Eigen::Vector3d offset =
+      submap.released().centre.coordinates() - prior->position.coordinates();
+  return offset.head<2>().norm() <= submap.released().radius_m + prior->radius_m;
+}
+
+LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, int min_inliers) {
+  const bool has_matches =
+      std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
+        return candidate.matches >= static_cast<std::size_t>(min_inliers);
+      });
+  return has_matches ? LocalisationStatus::kNoConsistentPose : LocalisationStatus::kTooFewMatches;
+}
+
+}  // namespace
+
+std::string_view LocalisationStatusName(LocalisationStatus status) {
+  switch (status) {
+    case LocalisationStatus::kLocalised:
+      return "localised";
+    case LocalisationStatus::kTooFewFeatures:
+      return "too few features";
+    case LocalisationStatus::kNothingNear:
+      return "nothing near";
+    case LocalisationStatus::kTooFewMatches:
+      return "too few matches";
+    case LocalisationStatus::kNoConsistentPose:
+      return "no consistent pose";
+    case LocalisationStatus::kInvalidRequest:
+      return "invalid request";
+  }
+  return "unknown";
+}
+
+Result<void> LocaliserOptions::Validate() const {
+  WAYMARK_TRY(features.Validate());
+  if (min_inliers < 6) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localiser options: expected min_inliers >= 6, found {}", min_inliers);
+  }
+  if (!(max_error_px > 0) || !std::isfinite(max_error_px)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localiser options: expected max_error_px > 0, found {}", max_error_px);
+  }
+  if (!(max_ratio > 0 && max_ratio <= 1)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localiser options: expected max_ratio in (0, 1], found {}", max_ratio);
+  }
+  if (!(max_gravity_error.radians() > 0)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localiser options: expected max_gravity_error > 0, found {} degrees",
+                     max_gravity_error.degrees());
+  }
+  return {};
+}
+
+struct Localiser::Impl {
+  LocaliserOptions options;
+  std::uint64_t epoch = 0;
+  std::vector<OpenSubmap> submaps;
+
+  Localisation Answer(const LocalisationRequest& request) const;
+  void Search(const LocalisationRequest& request, const ImageFeatures& features,
+              Localisation& answer) const;
+  std::vector<Candidate> Ask(const std::vector<const OpenSubmap*>& near,
+                             const LocalisationRequest& request, const ImageFeatures& features,
+                             StageTimes& times) const;
+};
+
+Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
+  Localisation answer;
+  answer.epoch = epoch;
+  if (const auto contradiction = FindContradiction(request)) {
+    answer.status = LocalisationStatus::kInvalidRequest;
+    answer.reason = *contradiction;
+    return answer;
+  }
+  if (const auto* features = std::get_if<ImageFeatures>(&request.image)) {
+    Search(request, *features, answer);
+    return answer;
+  }
+  const Stopwatch watch;
+  const auto extracted = ExtractFeatures(std::get<GrayImage>(request.image), options.features);
+  answer.times.features_ms = watch.ElapsedMs();
+  if (!extracted) {
+    answer.status = LocalisationStatus::kInvalidRequest;
+    answer.reason = ToString(extracted.error());
+    return answer;
+  }
+  Search(request, *extracted, answer);
+  return answer;
+}
+
+std::vector<Candidate> Localiser::Impl::Ask(const std::vector<const OpenSubmap*>& near,
+                                            const LocalisationRequest& request,
+                                            const ImageFeatures& features,
+                                            StageTimes& times) const {
+  std::vector<Candidate> candidates;
+  for (const OpenSubmap* submap : near) {
+    internal::SubmapAnswer answer = submap->localiser().Localise(features, request.camera);
+    times.search_ms += answer.search_ms;
+    times.pose_ms += answer.pose_ms;
+    candidates.push_back(
+        internal::CarryToMap(submap->released(), std::move(answer), request, options));
+  }
+  // The most inliers first; the release lists submaps by id, so that ties are settled too.
+  std::stable_sort(candidates.begin(), candidates.end(), internal::IsMoreConvincing);
+  return candidates;
+}
+
+void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeatures& features,
+                             Localisation& answer) const {
+  const auto refuse = [&](LocalisationStatus status, std::string reason) {
+    answer.status = status;
+    answer.reason = std::move(reason);
+  };
+  if (features.keypoints.size() < static_cast<std::size_t>(options.min_inliers)) {
+    return refuse(LocalisationStatus::kTooFewFeatures,
+                  fmt::format("the image shows {} features, at least {} are needed",
+                              features.keypoints.size(), options.min_inliers));
+  }
+  std::vector<const OpenSubmap*> near;
+  for (const OpenSubmap& submap : submaps) {
+    if (IsNear(submap, request.prior)) near.push_back(&submap);
+  }
+  if (near.empty()) {
+    return refuse(LocalisationStatus::kNothingNear,
+                  request.prior ? fmt::format("none of {} submaps within {:.0f} m of the prior",
+                                              submaps.size(), request.prior->radius_m)
+                                : std::string("the release holds no submap"));
+  }
+  std::vector<Candidate> candidates = Ask(near, request, features, answer.times);
+  Candidate& best = candidates.front();
+  if (!best.pose) {
+    return refuse(
+        StatusOfRefusals(candidates, options.min_inliers),
+        fmt::format("{} features, {} submaps searched; the best, {}: {}", features.keypoints.size(),
+                    near.size(), best.submap->id.text(), best.refusal));
+  }
+  if (const auto ambiguity = internal::FindAmbiguity(candidates)) {
+    return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
+  }
+  refuse(LocalisationStatus::kLocalised,
+         fmt::format("{} of {} matches agree in submap {}, one of {} searched", best.pose->inliers,
+                     best.matches, best.submap->id.text(), near.size()));
+  answer.pose = std::move(best.pose);
+}
+
+Result<std::shared_ptr<const Localiser>> Localiser::Create(const mapping::MapDirectory& map,
+                                                           const mapping::Release& release,
+                                                           const LocaliserOptions& options) {
+  WAYMARK_TRY(options.Validate());
+  auto impl = std::make_unique<Impl>();
+  impl->options = options;
+  impl->epoch = release.epoch;
+  for (const mapping::ReleasedSubmap& released : release.submaps) {
+    WAYMARK_TRY_ASSIGN(OpenSubmap submap,
+                       OpenSubmap::Open(map.SubmapPath(released.id), released, options));
+    impl->submaps.push_back(std::move(submap));
+  }
+  return std::shared_ptr<const Localiser>(new Localiser(std::move(impl)));
+}
+
+Localiser::Localiser(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+Localiser::~Localiser() = default;
+
+std::uint64_t Localiser::epoch() const { return impl_->epoch; }
+std::size_t Localiser::submap_count() const { return impl_->submaps.size(); }
+
+Localisation Localiser::Localise(const LocalisationRequest& request) const {
+  const Stopwatch watch;
+  Localisation answer = impl_->Answer(request);
+  answer.times.total_ms = watch.ElapsedMs();
+  return answer;
+}
+
+}  // namespace waymark::localiser
