@@ -3,6 +3,7 @@
 
 #include "mapping/features/features.h"
 #include "mapping/features/internal/image_header.h"
+#include "mapping/features/internal/opencv_setup.h"
 
 namespace waymark::mapping {
 namespace {
@@ -17,6 +18,7 @@ Result<GrayImage> DecodeGrayImage(std::span<const std::uint8_t> bytes) {
     return MakeError(ErrorCode::kUnsupported, "image: expected at most {} pixels, found {} x {}",
                      kMaxPixels, header.width_px, header.height_px);
   }
+  internal::SetUpOpenCv();
   cv::Mat decoded;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 #include <numeric>
 #include <opencv2/features2d.hpp>
@@ -9,6 +8,7 @@
 #include <tuple>
 
 #include "mapping/features/features.h"
+#include "mapping/features/internal/opencv_setup.h"
 
 namespace waymark::mapping {
 namespace {
@@ -17,12 +17,6 @@ namespace {
 // pixel i, where it lies at i - 0.25. With the half pixel of our convention that leaves +0.25,
 // which the tests confirm on blobs of known centre.
 constexpr float kCornerFromOpenCv_px = 0.25F;
-
-/// Images are spread over threads by the caller; OpenCV's own pool under them would only contend.
-void KeepOpenCvOnTheCallersThread() {
-  static std::once_flag once;
-  std::call_once(once, [] { cv::setNumThreads(1); });
-}
 
 cv::Mat ReduceToSide(const cv::Mat& image, int max_side_px) {
   const int side_px = std::max(image.cols, image.rows);
@@ -109,7 +103,7 @@ Result<ImageFeatures> ExtractFeatures(const GrayImage& image, const FeatureOptio
                      image.width_px, image.height_px, image.pixels.size());
   }
   if (image.pixels.empty()) return ImageFeatures{};
-  KeepOpenCvOnTheCallersThread();
+  internal::SetUpOpenCv();
   try {
     const cv::Mat full(image.height_px, image.width_px, CV_8UC1,
                        const_cast<std::uint8_t*>(image.pixels.data()));  // only read
