@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localiser/internal/submap_localiser.h"
+
+#include <gtest/gtest.h>
+
+#include "localiser/internal/pose_acceptance.h"
+#include "tests/localiser/random_place.h"
+
+namespace waymark::localiser::internal {
+namespace {
+
+/// Owns what a SubmapLocaliser borrows.
+struct Fixture {
+  explicit Fixture(RandomPlace& place, const LocaliserOptions& options = {})
+      : landmarks(place.landmarks()) {
+    for (const auto& seen : place.Model().observations) {
+      descriptors.push_back(seen.descriptor);
+      observed.push_back(seen.landmark);
+    }
+    localiser.emplace(landmarks, descriptors, observed, options);
+  }
+
+  std::vector<Eigen::Vector3d> landmarks;
+  std::vector<mapping::Descriptor> descriptors;
+  std::vector<std::uint32_t> observed;
+  std::optional<SubmapLocaliser> localiser;
+};
+
+TEST(SubmapLocaliser, FindsWhereAPhotoWasTakenAmongClutter) {
+  RandomPlace place(1);
+  const Fixture submap(place);
+  for (const double east_m : {-6.0, 0.0, 5.0}) {
+    const Rigid3 truth = place.Viewpoint(east_m, -2);
+    const SubmapAnswer answer = submap.localiser->Localise(place.Photo(truth, 300), TestCamera());
+    ASSERT_TRUE(answer.submap_from_camera.has_value()) << answer.refusal;
+    const Rigid3& pose = answer.submap_from_camera->world_from_camera;
+    EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.05);
+    EXPECT_LT(AngleBetween(pose.rotation(), truth.rotation()).degrees(), 0.3);
+    EXPECT_GT(answer.submap_from_camera->inliers.size(), 100u);
+  }
+}
+
+TEST(SubmapLocaliser, RefusesPhotosOfOtherPlaces) {
+  RandomPlace place(1);
+  const Fixture submap(place);
+  for (std::uint64_t seed = 2; seed < 22; ++seed) {
+    RandomPlace elsewhere(seed);
+    const SubmapAnswer answer =
+        submap.localiser->Localise(elsewhere.Photo(elsewhere.Viewpoint(0), 300), TestCamera());
+    EXPECT_FALSE(answer.submap_from_camera.has_value()) << "seed " << seed;
+    EXPECT_FALSE(answer.refusal.empty());
+  }
+}
+
+TEST(SubmapLocaliser, RefusesMatchesThatAgreeOnNothing) {
+  RandomPlace place(1);
+  const Fixture submap(place);
+  mapping::ImageFeatures shuffled = place.Photo(place.Viewpoint(0), 0);
+  std::reverse(shuffled.descriptors.begin(), shuffled.descriptors.end());
+  const SubmapAnswer answer = submap.localiser->Localise(shuffled, TestCamera());
+  EXPECT_GT(answer.matches, 100u);
+  EXPECT_FALSE(answer.submap_from_camera.has_value());
+}
+
+TEST(SubmapLocaliser, FeaturesOfOnePlaceCountOnce) {
+  RandomPlace place(1);
+  const Fixture submap(place);
+  mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 0);
+  const std::size_t once = submap.localiser->Localise(photo, TestCamera()).matches;
+  const mapping::ImageFeatures copy = photo;
+  photo.keypoints.insert(photo.keypoints.end(), copy.keypoints.begin(), copy.keypoints.end());
+  photo.descriptors.insert(photo.descriptors.end(), copy.descriptors.begin(),
+                           copy.descriptors.end());
+  EXPECT_EQ(submap.localiser->Localise(photo, TestCamera()).matches, once);
+}
+
+TEST(PoseAcceptance, ChanceExplainsFewInliersAmongManyMatchesButNotAmongFew) {
+  const double chance = 0.002;
+  EXPECT_GT(LogExpectedFalsePoses(1000, 15, chance), 0);
+  EXPECT_LT(LogExpectedFalsePoses(40, 15, chance), -10);
+  EXPECT_LT(LogExpectedFalsePoses(1000, 100, chance), -50);
+}
+
+TEST(PoseAcceptance, EachWayToBeWrongHasItsReason) {
+  std::vector<Eigen::Vector2d> spread_px;
+  std::vector<Eigen::Vector2d> crowded_px;
+  for (int i = 0; i < 30; ++i) {
+    spread_px.emplace_back(20 * i + 10, (i * 97) % 480);
+    crowded_px.emplace_back(300 + i % 6, 200 + i / 6);
+  }
+  PoseEvidence evidence{.matches = 60,
+                        .inliers_px = spread_px,
+                        .position_covariance = Eigen::Matrix3d::Identity() * 1e-4,
+                        .median_distance_m = 10,
+                        .max_error_px = 6};
+  EXPECT_EQ(FindReasonToRefuse(evidence, TestCamera()), std::nullopt);
+  evidence.inliers_px = crowded_px;
+  EXPECT_THAT(*FindReasonToRefuse(evidence, TestCamera()), testing::HasSubstr("parts"));
+  evidence.inliers_px = spread_px;
+  evidence.position_covariance(1, 1) = 4;
+  EXPECT_THAT(*FindReasonToRefuse(evidence, TestCamera()), testing::HasSubstr("uncertain"));
+  evidence.matches = 100000;
+  EXPECT_THAT(*FindReasonToRefuse(evidence, TestCamera()), testing::HasSubstr("chance"));
+}
+
+}  // namespace
+}  // namespace waymark::localiser::internal
