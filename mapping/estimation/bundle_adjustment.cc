@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/estimation/bundle_adjustment.h"
+
+#include <ceres/loss_function.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <array>
+#include <memory>
+#include <numeric>
+
+#include "mapping/estimation/bundle_costs.h"
+
+namespace waymark::mapping {
+namespace {
+
+using internal::kPoseSize;
+
+Result<void> CheckIndices(const BundleProblem& problem) {
+  for (const BundlePose& pose : problem.poses) {
+    if (pose.camera >= problem.cameras.size()) {
+      return MakeError(ErrorCode::kInvalidArgument, "bundle: pose with camera {} of {}",
+                       pose.camera, problem.cameras.size());
+    }
+  }
+  for (const BundleObservation& observation : problem.observations) {
+    if (observation.pose >= problem.poses.size() ||
+        observation.point >= problem.points_in_world.size()) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "bundle: observation of point {} of {} by pose {} of {}", observation.point,
+                       problem.points_in_world.size(), observation.pose, problem.poses.size());
+    }
+  }
+  return {};
+}
+
+// One adjustment: the parameter arrays, the Ceres problem over them, and the way back.
+class Adjustment {
+ public:
+  Adjustment(BundleProblem& bundle, const BundleOptions& options)
+      : bundle_(bundle), options_(options), problem_(ProblemOptions()) {
+    if (options.loss == ObservationLoss::kHuber) {
+      observation_loss_ = std::make_unique<ceres::HuberLoss>(options.loss_scale);
+    } else if (options.loss == ObservationLoss::kCauchy) {
+      observation_loss_ = std::make_unique<ceres::CauchyLoss>(options.loss_scale);
+    }
+    ReadParameters();
+    AddObservations();
+    AddPosePriors();
+    AddIntrinsics();
+  }
+
+  BundleSummary Solve() {
+    ceres::Solver::Options solver;
+    std::size_t free_poses = 0;
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      free_poses += pose_is_used_[i] && !bundle_.poses[i].hold ? 1 : 0;
+    }
+    constexpr std::size_t kDenseUpTo = 60;
+    solver.linear_solver_type = free_poses <= kDenseUpTo ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    solver.linear_solver_ordering = Ordering();
+    solver.max_num_iterations = options_.max_iterations;
+    solver.function_tolerance = options_.relative_tolerance;
+    solver.num_threads = static_cast<int>(options_.parallelism.ThreadCount());
+    solver.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem_, &summary);
+    usable_ = summary.IsSolutionUsable();
+    message_ = summary.message;
+    return {.initial_cost = summary.initial_cost,
+            .final_cost = summary.final_cost,
+            .iterations = static_cast<int>(summary.iterations.size()),
+            .converged = summary.termination_type == ceres::CONVERGENCE};
+  }
+
+  bool usable() const { return usable_; }
+  const std::string& message() const { return message_; }
+
+  // Errors: Unavailable when an intrinsic became impossible.
+  Result<void> WriteBack() {
+    for (std::size_t k = 0; k < bundle_.cameras.size(); ++k) {
+      CameraModel& model = bundle_.cameras[k].model;
+      auto refined =
+          CameraModel::Create(model.kind(), model.width_px(), model.height_px(),
+                              std::span(intrinsics_[k]).first(ParameterCount(model.kind())));
+      if (!refined) {
+        return MakeError(ErrorCode::kUnavailable, "bundle: camera {} diverged: {}", k,
+                         refined.error().message);
+      }
+      model = *refined;
+    }
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      const auto& p = poses_[i];
+      bundle_.poses[i].world_from_camera =
+          Rigid3(Eigen::Quaterniond(p[3], p[0], p[1], p[2]), Eigen::Vector3d(p[4], p[5], p[6]));
+    }
+    return {};
+  }
+
+ private:
+  static ceres::Problem::Options ProblemOptions() {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  void ReadParameters() {
+    for (const BundlePose& pose : bundle_.poses) {
+      const Eigen::Quaterniond& q = pose.world_from_camera.rotation();
+      const Eigen::Vector3d& t = pose.world_from_camera.translation();
+      poses_.push_back({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+    }
+    for (const BundleCamera& camera : bundle_.cameras) {
+      std::array<double, 8> values{};
+      std::copy(camera.model.parameters().begin(), camera.model.parameters().end(), values.begin());
+      intrinsics_.push_back(values);
+    }
+    pose_is_used_.assign(poses_.size(), false);
+    camera_is_used_.assign(intrinsics_.size(), false);
+    point_is_used_.assign(bundle_.points_in_world.size(), false);
+  }
+
+  void AddObservations() {
+    for (const BundleObservation& observation : bundle_.observations) {
+      const std::uint32_t camera = bundle_.poses[observation.pose].camera;
+      auto* cost = new internal::ReprojectionCost(bundle_.cameras[camera].model.kind(),
+                                                  observation.pixel_px, options_.pixel_sigma_px);
+      problem_.AddResidualBlock(cost, observation_loss_.get(), poses_[observation.pose].data(),
+                                bundle_.points_in_world[observation.point].data(),
+                                intrinsics_[camera].data());
+      pose_is_used_[observation.pose] = true;
+      point_is_used_[observation.point] = true;
+      camera_is_used_[camera] = true;
+    }
+  }
+
+  void AddPosePriors() {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (!pose_is_used_[i]) continue;
+      const BundlePose& pose = bundle_.poses[i];
+      double* block = poses_[i].data();
+      problem_.SetManifold(block, &manifold_);
+      if (pose.hold) {
+        problem_.SetParameterBlockConstant(block);
+        continue;
+      }
+      if (pose.position_prior) {
+        problem_.AddResidualBlock(
+            new internal::PositionCost(*pose.position_prior, pose.position_sigma_m),
+            &position_loss_, block);
+      }
+      if (pose.up_in_camera) {
+        problem_.AddResidualBlock(
+            new internal::UpCost(*pose.up_in_camera, options_.gravity_sigma_rad), &gravity_loss_,
+            block);
+      }
+      if (pose.is_level) {
+        problem_.AddResidualBlock(new internal::LevelCost(options_.level_sigma_rad), &gravity_loss_,
+                                  block);
+      }
+    }
+  }
+
+  void AddIntrinsics() {
+    for (std::size_t k = 0; k < intrinsics_.size(); ++k) {
+      if (!camera_is_used_[k]) continue;
+      const BundleCamera& camera = bundle_.cameras[k];
+      const CameraKind kind = camera.model.kind();
+      const auto count = static_cast<int>(ParameterCount(kind));
+      double* block = intrinsics_[k].data();
+      if (camera.hold) {
+        problem_.SetParameterBlockConstant(block);
+        continue;
+      }
+      const bool two_focals = kind == CameraKind::kPinhole || kind == CameraKind::kOpenCv;
+      const int centre = two_focals ? 2 : 1;
+      subsets_.push_back(
+          std::make_unique<ceres::SubsetManifold>(count, std::vector<int>{centre, centre + 1}));
+      problem_.SetManifold(block, subsets_.back().get());
+      Eigen::VectorXd initial = Eigen::VectorXd::Zero(count);
+      Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
+      for (int p = 0; p < count; ++p) {
+        initial(p) = camera.initial.parameters()[static_cast<std::size_t>(p)];
+        if (p < centre) weights(p) = 1 / (camera.focal_sigma_share * initial(p));
+        if (p >= centre + 2) weights(p) = 1 / camera.lens_sigma;
+      }
+      problem_.AddResidualBlock(new internal::IntrinsicsCost(initial, weights), nullptr, block);
+    }
+  }
+
+  std::shared_ptr<ceres::ParameterBlockOrdering> Ordering() {
+    auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (std::size_t i = 0; i < point_is_used_.size(); ++i) {
+      if (point_is_used_[i]) {
+        ordering->AddElementToGroup(bundle_.points_in_world[i].data(), 0);
+      }
+    }
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      if (pose_is_used_[i]) ordering->AddElementToGroup(poses_[i].data(), 1);
+    }
+    for (std::size_t k = 0; k < intrinsics_.size(); ++k) {
+      if (camera_is_used_[k]) ordering->AddElementToGroup(intrinsics_[k].data(), 1);
+    }
+    return ordering;
+  }
+
+  BundleProblem& bundle_;
+  const BundleOptions& options_;
+  std::vector<std::array<double, kPoseSize>> poses_;
+  std::vector<std::array<double, 8>> intrinsics_;
+  std::vector<bool> pose_is_used_, camera_is_used_, point_is_used_;
+  internal::PerturbManifold manifold_;
+  std::vector<std::unique_ptr<ceres::SubsetManifold>> subsets_;
+  std::unique_ptr<ceres::LossFunction> observation_loss_;
+  ceres::CauchyLoss position_loss_{options_.position_scale};
+  ceres::CauchyLoss gravity_loss_{2};
+  ceres::Problem problem_;  // last: destroyed before what it refers to
+  bool usable_ = false;
+  std::string message_;
+};
+
+}  // namespace
+
+Result<BundleSummary> AdjustBundle(BundleProblem& problem, const BundleOptions& options) {
+  WAYMARK_TRY(CheckIndices(problem));
+  if (problem.observations.empty()) return BundleSummary{.converged = true};
+  Adjustment adjustment(problem, options);
+  const BundleSummary summary = adjustment.Solve();
+  if (!adjustment.usable()) {
+    return MakeError(ErrorCode::kUnavailable, "bundle: {} poses, {} points: {}",
+                     problem.poses.size(), problem.points_in_world.size(), adjustment.message());
+  }
+  WAYMARK_TRY(adjustment.WriteBack());
+  return summary;
+}
+
+}  // namespace waymark::mapping
