@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <cmath>
 #include <mutex>
-#include <tuple>
 
 #include "content_store/anchor_rules.h"
 #include "content_store/anchor_store.h"
 #include "content_store/internal/anchor_tables.h"
-#include "content_store/internal/cell_index.h"
 #include "content_store/internal/commit_queue.h"
+#include "content_store/internal/nearest.h"
 #include "content_store/internal/sql_session.h"
 
 namespace waymark::content {
@@ -16,7 +14,6 @@ namespace {
 
 using internal::AnchorState;
 using internal::AnchorTables;
-using internal::Candidate;
 using internal::CommitQueue;
 using internal::SqlSession;
 
@@ -34,13 +31,6 @@ struct Connection {
     });
   }
 };
-
-GeoPoint PlaceOf(std::int64_t cell) {
-  const internal::CellPlace place = internal::CentreOf(cell);
-  return {.latitude = Angle::Radians(place.latitude_rad),
-          .longitude = Angle::Radians(place.longitude_rad),
-          .ellipsoid_height_m = 0};
-}
 
 class SqliteStore final : public AnchorStore {
  public:
@@ -105,10 +95,6 @@ class SqliteStore final : public AnchorStore {
                                 std::uint64_t expected_revision);
   WriteOutcome Append(AnchorState state);
   std::vector<Result<WriteOutcome>> Commit(const std::vector<const CommitQueue::Write*>& writes);
-
-  static Result<std::vector<AnchorRecord>> DoFindNear(AnchorTables& tables, const RoomId& room,
-                                                      const GeoPoint& centre, double radius_m,
-                                                      std::size_t limit);
 
   /// Runs `action` on an idle reading connection, or on a new one.
   template <typename Action>
@@ -194,45 +180,6 @@ std::vector<Result<WriteOutcome>> SqliteStore::Commit(
     return {};
   });
   return {writes.size(), committed.error()};
-}
-
-Result<std::vector<AnchorRecord>> SqliteStore::DoFindNear(AnchorTables& tables, const RoomId& room,
-                                                          const GeoPoint& centre, double radius_m,
-                                                          std::size_t limit) {
-  constexpr double kSlack_m = 2 * internal::kCellError_m;
-  std::vector<std::pair<double, std::uint64_t>> rough;  // distance of the cell, revision
-  for (const auto& [first, last] :
-       internal::CoverCircle({centre.latitude.radians(), centre.longitude.radians()}, radius_m)) {
-    for (const Candidate& candidate : tables.FindCandidates(room, first, last)) {
-      const double distance_m = GeodesicDistance(centre, PlaceOf(candidate.cell));
-      if (distance_m <= radius_m + kSlack_m) rough.emplace_back(distance_m, candidate.revision);
-    }
-  }
-  std::sort(rough.begin(), rough.end());
-  if (rough.size() > limit) {  // keep all that may still be among the nearest
-    const double last_m = rough[limit - 1].first + kSlack_m;
-    rough.erase(std::find_if(rough.begin(), rough.end(),
-                             [&](const auto& entry) { return entry.first > last_m; }),
-                rough.end());
-  }
-  std::vector<std::pair<double, AnchorRecord>> near;
-  for (const auto& [ignored, revision] : rough) {
-    WAYMARK_TRY_ASSIGN(auto state, tables.LoadState(revision));
-    if (state.is_deleted || state.record.room != room) {
-      return MakeError(ErrorCode::kCorrupt, "room {}: the index points to revision {} of another",
-                       room.text(), revision);
-    }
-    const double distance_m = GeodesicDistance(centre, state.record.place);
-    if (distance_m <= radius_m) near.emplace_back(distance_m, std::move(state.record));
-  }
-  std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.first, a.second.id) < std::tie(b.first, b.second.id);
-  });
-  std::vector<AnchorRecord> records;
-  for (auto& [ignored, record] : near) {
-    if (records.size() < limit) records.push_back(std::move(record));
-  }
-  return records;
 }
 
 Result<Connection> SqliteStore::BorrowReader() {

@@ -113,6 +113,15 @@ Result<AnchorState> AnchorTables::LoadState(std::uint64_t revision) {
   return VerifyRow();
 }
 
+Result<AnchorRecord> AnchorTables::LoadLive(const RoomId& room, std::uint64_t revision) {
+  WAYMARK_TRY_ASSIGN(auto state, LoadState(revision));
+  if (state.is_deleted || state.record.room != room) {
+    return MakeError(ErrorCode::kCorrupt, "{}: room {}: the index points to revision {} of another",
+                     session_.file().string(), room.text(), revision);
+  }
+  return std::move(state.record);
+}
+
 Result<std::vector<AnchorRecord>> AnchorTables::LoadRoom(const RoomId& room) {
   room_ = room.text();
   std::vector<std::uint64_t> revisions;
@@ -121,13 +130,8 @@ Result<std::vector<AnchorRecord>> AnchorTables::LoadRoom(const RoomId& room) {
   std::vector<AnchorRecord> records;
   records.reserve(revisions.size());
   for (const std::uint64_t revision : revisions) {
-    WAYMARK_TRY_ASSIGN(auto state, LoadState(revision));
-    if (state.is_deleted || state.record.room != room) {
-      return MakeError(ErrorCode::kCorrupt,
-                       "{}: room {}: the index points to revision {} of another",
-                       session_.file().string(), room.text(), revision);
-    }
-    records.push_back(std::move(state.record));
+    WAYMARK_TRY_ASSIGN(auto record, LoadLive(room, revision));
+    records.push_back(std::move(record));
   }
   return records;
 }

@@ -36,6 +36,8 @@ class AnchorTables {
   Result<std::optional<AnchorState>> FindState(const RoomId& room, const AnchorId& id);
   /// Errors: Corrupt when the index points to a revision that is damaged or not there.
   Result<AnchorState> LoadState(std::uint64_t revision);
+  /// The state of a live anchor of this room. Errors: Corrupt when it is anything else.
+  Result<AnchorRecord> LoadLive(const RoomId& room, std::uint64_t revision);
   /// Live anchors of a room, by id. Errors: Corrupt.
   Result<std::vector<AnchorRecord>> LoadRoom(const RoomId& room);
   std::vector<Candidate> FindCandidates(const RoomId& room, std::int64_t first_cell,

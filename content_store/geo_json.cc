@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "content_store/geo_json.h"
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "content_store/anchor_rules.h"
+
+namespace waymark::content {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string Base64(std::string_view bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::string_view three = bytes.substr(i, 3);
+    std::uint32_t bits = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      bits = bits << 8 | (k < three.size() ? static_cast<std::uint8_t>(three[k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text += k <= three.size() ? kDigits[bits >> (18 - 6 * k) & 63u] : '=';
+    }
+  }
+  return text;
+}
+
+Json ToJson(const Rigid3& pose) {
+  const Eigen::Vector3d& t = pose.translation();
+  const Eigen::Quaterniond& q = pose.rotation();
+  return {{"translation_m", {t.x(), t.y(), t.z()}}, {"quaternion", {q.x(), q.y(), q.z(), q.w()}}};
+}
+
+Json ToFeature(const AnchorRecord& record) {
+  Json properties{{"room", record.room.text()},
+                  {"owner", record.owner},
+                  {"kind", record.kind},
+                  {"revision", record.revision},
+                  {"epoch", record.epoch},
+                  {"map_from_anchor", ToJson(record.map_from_anchor.rigid())},
+                  {"attachments", Json::array()},
+                  {"created_utc_ms", record.created_utc_ms},
+                  {"changed_utc_ms", record.changed_utc_ms}};
+  for (const SubmapAttachment& attachment : record.attachments) {
+    properties["attachments"].push_back(
+        {{"submap", attachment.submap.text()},
+         {"submap_from_anchor", ToJson(attachment.submap_from_anchor.rigid())}});
+  }
+  if (IsText(record.payload)) {
+    properties["payload"] = record.payload;
+  } else {
+    properties["payload_base64"] = Base64(record.payload);
+  }
+  return {{"type", "Feature"},
+          {"id", record.id.text()},
+          {"geometry",
+           {{"type", "Point"},
+            {"coordinates",
+             {record.place.longitude.degrees(), record.place.latitude.degrees(),
+              record.place.ellipsoid_height_m}}}},
+          {"properties", std::move(properties)}};
+}
+
+}  // namespace
+
+std::string EncodeGeoJson(const RoomSnapshot& snapshot) {
+  Json features = Json::array();
+  for (const AnchorRecord& record : snapshot.anchors) features.push_back(ToFeature(record));
+  return Json{{"type", "FeatureCollection"},
+              {"revision", snapshot.revision},
+              {"features", std::move(features)}}
+      .dump(2);
+}
+
+std::string EncodeGeoJson(const AnchorRecord& record) { return ToFeature(record).dump(2); }
+
+}  // namespace waymark::content
