@@ -79,8 +79,9 @@ class SqliteStore final : public AnchorStore {
                        radius_m);
     }
     if (limit == 0) return std::vector<AnchorRecord>();
-    return Read(
-        [&](AnchorTables& tables) { return DoFindNear(tables, room, centre, radius_m, limit); });
+    return Read([&](AnchorTables& tables) {
+      return internal::FindNearest(tables, room, centre, radius_m, limit);
+    });
   }
   Result<std::vector<AnchorChange>> LoadChanges(std::uint64_t after_revision,
                                                 std::size_t limit) override {
