@@ -46,6 +46,9 @@ Result<ImageHeader> DecodePngHeader(Bytes bytes) {
   }
 }
 
+/// Each scan makes the decoder pass over the whole image again, whatever its size in bytes.
+constexpr int kMaxScans = 100;  ///< usual progressive files have about ten
+
 bool StartsJpegFrame(std::uint8_t marker) {
   return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
@@ -67,6 +70,7 @@ std::optional<std::size_t> FindJpegMarker(Bytes bytes, std::size_t offset) {
 Result<ImageHeader> DecodeJpegHeader(Bytes bytes) {
   std::optional<ImageHeader> header;
   std::size_t offset = 2;
+  int scans = 0;
   while (true) {
     const auto behind = FindJpegMarker(bytes, offset);
     if (!behind) return Truncated("JPEG", bytes.size());
@@ -75,6 +79,10 @@ Result<ImageHeader> DecodeJpegHeader(Bytes bytes) {
     if (bytes.size() - *behind < 2) return Truncated("JPEG", bytes.size());
     const std::size_t length = ReadBigEndian(bytes, *behind, 2);
     if (length < 2 || bytes.size() - *behind < length) return Truncated("JPEG", bytes.size());
+    if (marker == 0xda && ++scans > kMaxScans) {
+      return MakeError(ErrorCode::kUnsupported, "JPEG image: expected at most {} scans, found more",
+                       kMaxScans);
+    }
     if (StartsJpegFrame(marker) && length >= 8 && !header) {
       header = {ReadBigEndian(bytes, *behind + 5, 2), ReadBigEndian(bytes, *behind + 3, 2)};
     }
