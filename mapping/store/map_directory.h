@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,14 +20,18 @@ struct MapDescription {
   std::string id;              ///< UUID
   GeoPoint origin;             ///< of the map frame; fixed for the life of the map
   bool is_geo_aligned = true;  ///< false: made without GNSS, the origin means nothing
-  std::string options_json;    ///< the mapping options it was made with
+  std::string options_json;    ///< the mapping options it was made with, a JSON object
 };
 
 /// A map on disk; layout in mapping/FORMAT.md. Thread-compatible. Reading needs no lock: files are
-/// immutable and `current` is replaced atomically. Writers take the lock.
+/// immutable and `current` is replaced atomically. Whoever chooses an epoch or deploys one holds
+/// the lock while doing so; StoreSubmap is safe without it, so that many processes may build at
+/// once.
 class MapDirectory {
  public:
-  /// Errors: Conflict when the folder holds something else.
+  /// Makes an empty map; completes one whose creation was cut short.
+  /// Errors: Conflict when the folder holds a map or something else; InvalidArgument for a
+  /// description without id, with an impossible origin or options that are no JSON object.
   static Result<MapDirectory> Create(const std::filesystem::path& folder,
                                      const MapDescription& description);
   /// Errors: NotFound (no map there), Corrupt, Unsupported (made by another format version).
@@ -44,15 +49,20 @@ class MapDirectory {
 
   /// The live epoch; nullopt before the first release.
   Result<std::optional<std::uint64_t>> LoadCurrentEpoch() const;
+  /// All epochs that were ever stored, ascending.
+  Result<std::vector<std::uint64_t>> ListReleaseEpochs() const;
   Result<Release> LoadRelease(std::uint64_t epoch) const;
   /// NotFound before the first release.
   Result<Release> LoadCurrentRelease() const;
 
-  /// Writes submap bytes under their content hash; storing the same again is a no-op.
+  /// Writes submap bytes under their content hash; storing the same again is a no-op, or repairs
+  /// a file that was damaged.
   Result<SubmapId> StoreSubmap(std::span<const std::uint8_t> bytes) const;
-  /// Errors: Conflict when the epoch exists with other content.
+  /// Errors: Conflict when the epoch exists with other content, NotFound when one of its submaps
+  /// is not stored, InvalidArgument when DecodeRelease would refuse it.
   Result<void> StoreRelease(const Release& release) const;
-  /// Makes an existing release the live one. Atomic.
+  /// Makes an existing release the live one. Atomic; an older epoch rolls back.
+  /// Errors: NotFound when the release or one of its submaps is not there.
   Result<void> Deploy(std::uint64_t epoch) const;
 
  private:

@@ -38,7 +38,8 @@ struct Release {
   std::vector<ReleasedSubmap> submaps;  ///< sorted by id
 };
 
-/// Pure codecs. Decoding errors: Corrupt, Unsupported, with `name` as the object.
+/// Pure codecs; doubles come back to the last bit, and decoding and encoding again gives the same
+/// text. Decoding errors: Corrupt, Unsupported, with `name` as the object.
 std::string EncodeRelease(const Release& release);
 Result<Release> DecodeRelease(std::string_view json, std::string_view name);
 
