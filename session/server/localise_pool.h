@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "mapping/base/result.h"
+#include "session/state/messages.h"
+
+namespace waymark::session {
+
+/// Answers one image. Called on several threads at once. An error is the image's fault.
+using LocaliseFunction = std::function<Result<localiser::Localisation>(const LocaliseQuery&)>;
+
+struct LocalisePoolOptions {
+  int threads = 1;             ///< [1, 256]
+  std::size_t max_queue = 16;  ///< >= 1; beyond this devices are told "busy"
+
+  Result<void> Validate() const;
+};
+
+/// Localises on a few threads. A device's newer image replaces its older one in the queue; a full
+/// queue answers "busy" at once rather than late. Thread-safe.
+class LocalisePool {
+ public:
+  /// `deliver` is called from the pool's threads and, for refusals, from Submit.
+  LocalisePool(const LocalisePoolOptions& options, LocaliseFunction localise,
+               std::function<void(LocaliseAnswer)> deliver);
+  LocalisePool(const LocalisePool&) = delete;
+  LocalisePool& operator=(const LocalisePool&) = delete;
+  ~LocalisePool();  ///< finishes what is under way, drops the queue
+
+  void Submit(const DeviceId& device, LocaliseQuery query);
+
+ private:
+  struct Job {
+    DeviceId device;
+    LocaliseQuery query;
+    std::chrono::steady_clock::time_point arrived;
+  };
+
+  void Work();
+  LocaliseAnswer Answer(const Job& job) const;
+  void Refuse(const Job& job, const char* reason) const;
+
+  const LocalisePoolOptions options_;
+  const LocaliseFunction localise_;
+  const std::function<void(LocaliseAnswer)> deliver_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> queue_;     // guarded by mutex_
+  bool is_stopping_ = false;  // guarded by mutex_
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace waymark::session

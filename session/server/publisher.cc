@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/server/publisher.h"
+
+#include "mapping/base/log.h"
+
+namespace waymark::session {
+namespace {
+
+constexpr std::chrono::seconds kLastWords{5};      // a device's writers live on after its end
+constexpr std::chrono::seconds kMemoryOfEnds{30};  // ten leases: who missed it has left
+constexpr std::size_t kMaxOpenDevices = 4096;      // beyond it hellos are not answered
+
+void LogFailure(const Result<void>& result) {
+  if (!result.ok()) LogWarning("not sent: {}", ToString(result.error()));
+}
+
+}  // namespace
+
+void Publisher::Do(const effect::OpenRoom& effect, ServerTime) {
+  LogFailure(bus_.OpenRoom(effect.room));
+}
+
+void Publisher::Do(const effect::CloseRoom& effect, ServerTime) { bus_.CloseRoom(effect.room); }
+
+void Publisher::Do(const effect::SendWelcome& effect, ServerTime) {
+  const DeviceId& device = effect.welcome.device;
+  const auto open = open_devices_.find(device);
+  if (open == open_devices_.end() || open->second != effect.room) {
+    if (open_devices_.size() >= kMaxOpenDevices) return;
+    const Result<void> opened = bus_.OpenDevice(effect.room, device);
+    if (!opened.ok()) return LogFailure(opened);
+    open_devices_.insert_or_assign(device, effect.room);
+  }
+  closing_devices_.erase(device);
+  if (effect.welcome.verdict == JoinVerdict::kAccepted) ++counters_.joins;
+  LogFailure(bus_.Send(effect.welcome));
+}
+
+void Publisher::Do(const effect::CloseDevice& effect, ServerTime now) {
+  closing_devices_.insert_or_assign(effect.device, now);
+}
+
+void Publisher::Do(const effect::PublishPresence& effect, ServerTime) {
+  withdrawn_devices_.erase({effect.room, effect.presence.device});
+  LogFailure(bus_.Publish(effect.room, effect.presence));
+}
+
+void Publisher::Do(const effect::WithdrawPresence& effect, ServerTime now) {
+  ++counters_.departures;
+  withdrawn_devices_.insert_or_assign({effect.room, effect.device}, now);
+  LogFailure(bus_.Withdraw(effect.room, effect.device));
+}
+
+void Publisher::Do(const effect::PublishPoses& effect, ServerTime) {
+  ++counters_.pose_batches;
+  LogFailure(bus_.Publish(effect.room, effect.batch));
+}
+
+void Publisher::Do(const effect::PublishAnchor& effect, ServerTime) {
+  withdrawn_anchors_.erase({effect.room, effect.state.anchor.record.id});
+  LogFailure(bus_.Publish(effect.room, effect.state));
+}
+
+void Publisher::Do(const effect::WithdrawAnchor& effect, ServerTime now) {
+  withdrawn_anchors_.insert_or_assign({effect.room, effect.anchor}, now);
+  LogFailure(bus_.Withdraw(effect.room, effect.anchor));
+}
+
+void Publisher::Do(const effect::PublishRoomState& effect, ServerTime) {
+  LogFailure(bus_.Publish(effect.state.room, effect.state));
+}
+
+void Publisher::Do(const effect::SendReply& effect, ServerTime) {
+  // A device that left does not hear it; what it wanted is done all the same.
+  (void)bus_.Send(effect.reply);
+}
+
+void Publisher::Tend(ServerTime now) {
+  for (auto device = closing_devices_.begin(); device != closing_devices_.end();) {
+    if (now - device->second < kLastWords) {
+      ++device;
+      continue;
+    }
+    bus_.CloseDevice(device->first);
+    open_devices_.erase(device->first);
+    device = closing_devices_.erase(device);
+  }
+  Forget(withdrawn_devices_, now);
+  Forget(withdrawn_anchors_, now);
+}
+
+template <typename Key>
+void Publisher::Forget(Withdrawn<Key>& withdrawn, ServerTime now) {
+  for (auto entry = withdrawn.begin(); entry != withdrawn.end();) {
+    if (now - entry->second < kMemoryOfEnds) {
+      ++entry;
+      continue;
+    }
+    bus_.Forget(entry->first.first, entry->first.second);
+    entry = withdrawn.erase(entry);
+  }
+}
+
+}  // namespace waymark::session

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <utility>
+#include <variant>
+
+#include "session/server/server.h"
+#include "session/state/events.h"
+#include "session/wire/server_bus.h"
+
+namespace waymark::session {
+
+/// Carries out on the bus what the state wants said. Ends are given time: a device that is told no
+/// must be able to hear it, and a reader with losses must be able to learn that an anchor is gone.
+/// Thread-compatible; times are the session's.
+class Publisher {
+ public:
+  Publisher(wire::ServerBus& bus, ServerCounters& counters) : bus_(bus), counters_(counters) {}
+
+  void Do(const effect::OpenRoom& effect, ServerTime now);
+  void Do(const effect::CloseRoom& effect, ServerTime now);
+  void Do(const effect::SendWelcome& effect, ServerTime now);
+  void Do(const effect::CloseDevice& effect, ServerTime now);
+  void Do(const effect::PublishPresence& effect, ServerTime now);
+  void Do(const effect::WithdrawPresence& effect, ServerTime now);
+  void Do(const effect::PublishPoses& effect, ServerTime now);
+  void Do(const effect::PublishAnchor& effect, ServerTime now);
+  void Do(const effect::WithdrawAnchor& effect, ServerTime now);
+  void Do(const effect::PublishRoomState& effect, ServerTime now);
+  void Do(const effect::SendReply& effect, ServerTime now);
+
+  /// Closes and forgets what has been over for long enough.
+  void Tend(ServerTime now);
+
+ private:
+  template <typename Key>
+  using Withdrawn = std::map<std::pair<RoomId, Key>, ServerTime>;
+
+  template <typename Key>
+  void Forget(Withdrawn<Key>& withdrawn, ServerTime now);
+
+  wire::ServerBus& bus_;
+  ServerCounters& counters_;
+  std::map<DeviceId, RoomId> open_devices_;
+  std::map<DeviceId, ServerTime> closing_devices_;  // since when
+  Withdrawn<DeviceId> withdrawn_devices_;
+  Withdrawn<AnchorId> withdrawn_anchors_;
+};
+
+}  // namespace waymark::session

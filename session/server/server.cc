@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/server/server.h"
+
+#include <atomic>
+#include <random>
+#include <thread>
+
+#include "mapping/base/log.h"
+#include "session/server/publisher.h"
+#include "session/server/store_worker.h"
+#include "session/wire/inbox.h"
+#include "session/wire/server_bus.h"
+
+namespace waymark::session {
+namespace {
+
+constexpr std::size_t kMaxWaitingMessages = 16'384;
+constexpr std::size_t kMaxWaitingBytes = 128 * 1024 * 1024;
+
+ServerTime Now() {
+  return ServerTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch()));
+}
+
+std::uint64_t RandomBits() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
+
+std::size_t WeightOf(const wire::Upward& message) {
+  if (const auto* query = std::get_if<LocaliseQuery>(&message)) return query->image.size();
+  if (const auto* command = std::get_if<AnchorCommand>(&message)) return command->payload.size();
+  return 0;
+}
+
+dds::ParticipantOptions BusOptions(const ServerOptions& options) {
+  return {.role = dds::ParticipantOptions::Role::kServer,
+          .domain = options.dds_domain,
+          .server = options.address,
+          .transmit_loss_per_mille = options.transmit_loss_per_mille};
+}
+
+}  // namespace
+
+/// The one thread that owns the state, and what leaves things in its inbox.
+class Server::Loop {
+ public:
+  Loop(const ServerOptions& options, ServerParts parts)
+      : tick_(std::chrono::duration_cast<std::chrono::nanoseconds>(
+            std::chrono::duration<double>(1 / options.tick_hz))),
+        run_(RunId{RandomBits()}),
+        inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
+        state_(options.state, run_,
+               {.map = parts.map.id,
+                .is_geo_aligned = parts.map.is_geo_aligned,
+                .origin = parts.map.origin,
+                .epoch = parts.release.epoch}),
+        store_(std::move(parts.store), parts.release, parts.map.origin,
+               [this](Event event) {
+                 inbox_.Push({Now(), std::move(event)});
+               }),
+        pool_(options.localise, std::move(parts.localise), [this](LocaliseAnswer answer) {
+          inbox_.Push({Now(), std::move(answer)});
+        }) {}
+
+  Result<void> Start(const ServerOptions& options) {
+    WAYMARK_TRY_ASSIGN(bus_,
+                       wire::ServerBus::Create(BusOptions(options), [this](wire::Upward message) {
+                         Receive(std::move(message));
+                       }));
+    publisher_.emplace(*bus_, counters_);
+    thread_ = std::thread([this] { Work(); });
+    return {};
+  }
+
+  ServerCounters Stop() {
+    if (thread_.joinable()) {
+      is_stopping_ = true;
+      inbox_.Close();
+      thread_.join();
+      // What the store was asked to write is durable before we go, and who asked hears it.
+      store_.Finish();
+      for (Item& item : inbox_.TakeAll({})) {
+        if (std::holds_alternative<Event>(item.content)) Handle(item);
+      }
+      counters_.rejected_messages = bus_->RejectedMessages();
+      counters_.dropped_messages = inbox_.DroppedItems();
+      bus_.reset();
+    }
+    return counters_;
+  }
+
+ private:
+  struct Item {
+    ServerTime arrived;
+    std::variant<wire::Upward, Event, LocaliseAnswer> content;
+  };
+
+  // Called on DDS threads.
+  void Receive(wire::Upward message) {
+    const std::size_t weight = WeightOf(message);
+    inbox_.TryPush({Now(), std::move(message)}, weight);
+  }
+
+  void Work() {
+    using std::chrono::steady_clock;
+    steady_clock::time_point next_tick = steady_clock::now() + tick_;
+    while (!is_stopping_) {
+      for (Item& item : inbox_.TakeAll(next_tick)) Handle(item);
+      if (steady_clock::now() < next_tick) continue;
+      Apply(event::Ticked{});
+      publisher_->Tend(Now());
+      next_tick = std::max(next_tick + tick_, steady_clock::now());  // late ticks do not pile up
+    }
+  }
+
+  void Handle(Item& item) {
+    std::visit(
+        [&](auto& content) {
+          using Content = std::remove_cvref_t<decltype(content)>;
+          if constexpr (std::is_same_v<Content, wire::Upward>) {
+            std::visit([&](auto& message) { On(std::move(message), item.arrived); }, content);
+          } else if constexpr (std::is_same_v<Content, Event>) {
+            Apply(content);
+          } else {
+            Deliver(content);
+          }
+        },
+        item.content);
+  }
+
+  void On(Hello hello, ServerTime) {
+    Apply(event::HelloReceived{std::move(hello), Ticket{RandomBits()}});
+  }
+  void On(wire::Farewell farewell, ServerTime) { Apply(event::DeviceLeft{farewell.device}); }
+  void On(PoseReport report, ServerTime) {
+    ++counters_.poses;
+    Apply(event::PoseReceived{report});
+  }
+  void On(AnchorCommand command, ServerTime) {
+    ++counters_.anchor_commands;
+    Apply(event::CommandReceived{std::move(command)});
+  }
+  void On(ClockPing ping, ServerTime arrived) {
+    Apply(event::Heard{ping.ticket});
+    const RoomMember* const member = state_.FindMember(ping.ticket);
+    if (member == nullptr) return;  // its silence tells the device to join again
+    (void)bus_->Send(ClockPong{.device = member->device,
+                               .sequence_number = ping.sequence_number,
+                               .device_sent = ping.sent,
+                               .received = arrived,
+                               .sent = Now(),
+                               .run = run_});
+  }
+  void On(LocaliseQuery query, ServerTime) {
+    Apply(event::Heard{query.ticket});
+    const RoomMember* const member = state_.FindMember(query.ticket);
+    if (member == nullptr) return;
+    ++counters_.images;
+    pool_.Submit(member->device, std::move(query));
+  }
+
+  void Deliver(const LocaliseAnswer& answer) {
+    if (answer.status == LocaliseStatus::kLocalised) ++counters_.localised;
+    if (answer.status == LocaliseStatus::kBusy) ++counters_.busy;
+    (void)bus_->Send(answer);  // a device that left does not hear it
+  }
+
+  void Apply(const Event& event) {
+    const ServerTime now = Now();
+    for (Effect& effect : state_.Apply(event, now)) {
+      std::visit([&](auto& wanted) { Do(std::move(wanted), now); }, effect);
+    }
+  }
+
+  void Do(effect::LoadRoom wanted, ServerTime) { store_.Submit(std::move(wanted)); }
+  void Do(effect::WriteAnchor wanted, ServerTime) {
+    ++counters_.anchor_changes;
+    store_.Submit(std::move(wanted));
+  }
+  template <typename Wanted>
+  void Do(Wanted wanted, ServerTime now) {
+    publisher_->Do(wanted, now);
+  }
+
+  const std::chrono::nanoseconds tick_;
+  const RunId run_;
+  Inbox<Item> inbox_;
+  SessionState state_;       // owned by the loop
+  ServerCounters counters_;  // owned by the loop
+  StoreWorker store_;
+  LocalisePool pool_;
+  std::unique_ptr<wire::ServerBus> bus_;
+  std::optional<Publisher> publisher_;  // owned by the loop
+  std::atomic<bool> is_stopping_ = false;
+  std::thread thread_;
+};
+
+Result<void> ServerOptions::Validate() const {
+  if (!(tick_hz >= 1 && tick_hz <= 240)) {
+    return MakeError(ErrorCode::kInvalidArgument, "tick: expected [1, 240] Hz, found {}", tick_hz);
+  }
+  WAYMARK_TRY(localise.Validate());
+  WAYMARK_TRY(state.Validate());
+  return BusOptions(*this).Validate();
+}
+
+std::string ToString(const ServerCounters& counters) {
+  return fmt::format(
+      "{} joins, {} departures, {} poses, {} pose batches, {} images ({} localised, {} busy), {} "
+      "anchor commands ({} written), {} messages rejected, {} dropped",
+      counters.joins, counters.departures, counters.poses, counters.pose_batches, counters.images,
+      counters.localised, counters.busy, counters.anchor_commands, counters.anchor_changes,
+      counters.rejected_messages, counters.dropped_messages);
+}
+
+Server::Server(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
+Server::~Server() { loop_->Stop(); }
+
+Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, ServerParts parts) {
+  WAYMARK_TRY(options.Validate());
+  auto loop = std::make_unique<Loop>(options, std::move(parts));
+  WAYMARK_TRY(loop->Start(options));
+  return std::unique_ptr<Server>(new Server(std::move(loop)));
+}
+
+ServerCounters Server::Stop() { return loop_->Stop(); }
+
+}  // namespace waymark::session

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "content_store/anchor_store.h"
+#include "mapping/base/result.h"
+#include "mapping/store/map_directory.h"
+#include "session/dds/participant.h"
+#include "session/server/localise_pool.h"
+#include "session/state/session_state.h"
+
+namespace waymark::session {
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";  ///< of the interface to serve on
+  int dds_domain = 0;                 ///< [0, 230]
+  double tick_hz = 30;                ///< pose batches per second, [1, 240]; 30 adds 20 ms at p50
+  int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
+  LocalisePoolOptions localise;
+  StateOptions state;
+
+  Result<void> Validate() const;
+};
+
+/// What a server serves.
+struct ServerParts {
+  mapping::MapDescription map;
+  mapping::Release release;
+  std::unique_ptr<content::AnchorStore> store;
+  LocaliseFunction localise;
+};
+
+/// Since the start.
+struct ServerCounters {
+  std::uint64_t joins = 0;
+  std::uint64_t departures = 0;
+  std::uint64_t poses = 0;
+  std::uint64_t pose_batches = 0;
+  std::uint64_t images = 0;
+  std::uint64_t localised = 0;
+  std::uint64_t busy = 0;
+  std::uint64_t anchor_commands = 0;
+  std::uint64_t anchor_changes = 0;
+  std::uint64_t rejected_messages = 0;  ///< did not decode
+  std::uint64_t dropped_messages = 0;   ///< the inbox was full
+};
+
+std::string ToString(const ServerCounters& counters);
+
+/// The hub of the star: rooms, poses, localisation, anchors. One loop thread owns all state; DDS,
+/// the store and the localisers only leave things in its inbox.
+class Server {
+ public:
+  /// Serves from the moment it returns.
+  /// Errors: InvalidArgument, Conflict (another server has the domain), Unavailable.
+  static Result<std::unique_ptr<Server>> Start(const ServerOptions& options, ServerParts parts);
+  ~Server();  ///< as Stop
+
+  /// Ends serving; what was under way in the store is finished first. Call it once from any thread.
+  ServerCounters Stop();
+
+ private:
+  class Loop;
+
+  explicit Server(std::unique_ptr<Loop> loop);
+
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace waymark::session

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/server/store_worker.h"
+
+#include <chrono>
+
+#include "session/server/attachments.h"
+
+namespace waymark::session {
+namespace {
+
+std::int64_t UtcMilliseconds() {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+StoreWorker::StoreWorker(std::unique_ptr<content::AnchorStore> store,
+                         const mapping::Release& release, const GeoPoint& map_origin,
+                         std::function<void(Event)> report)
+    : store_(std::move(store)),
+      release_(release),
+      map_plane_(map_origin),
+      report_(std::move(report)),
+      thread_([this] { Work(); }) {}
+
+StoreWorker::~StoreWorker() { Finish(); }
+
+void StoreWorker::Submit(Task task) {
+  const std::lock_guard lock(mutex_);
+  if (is_finishing_) return;
+  tasks_.push_back(std::move(task));
+  changed_.notify_one();
+}
+
+void StoreWorker::Finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_finishing_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void StoreWorker::Work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [this] { return !tasks_.empty() || is_finishing_; });
+    if (tasks_.empty()) return;
+    const Task task = std::move(tasks_.front());
+    tasks_.pop_front();
+    lock.unlock();
+    report_(std::visit([this](const auto& wanted) { return Do(wanted); }, task));
+    lock.lock();
+  }
+}
+
+Event StoreWorker::Do(const effect::LoadRoom& task) {
+  const Result<content::RoomSnapshot> snapshot = store_->LoadRoom(task.room);
+  if (!snapshot.ok()) return event::RoomLoaded{task.room, snapshot.error(), {}};
+  event::RoomLoaded loaded{task.room, snapshot->revision, {}};
+  for (const content::AnchorRecord& record : snapshot->anchors) {
+    loaded.anchors.push_back(CarryToRelease(record, release_));
+  }
+  return loaded;
+}
+
+Event StoreWorker::Do(const effect::WriteAnchor& task) {
+  Result<content::WriteOutcome> outcome = Write(task);
+  if (!outcome.ok()) return event::WriteFinished{task.write, outcome.error()};
+  if (const auto* record = std::get_if<content::AnchorRecord>(&*outcome)) {
+    return event::WriteFinished{task.write,
+                                event::WriteFinished::Applied{CarryToRelease(*record, release_)}};
+  }
+  event::WriteFinished::Conflict conflict;
+  if (const auto& current = std::get<content::WriteConflict>(*outcome).current) {
+    conflict.current = CarryToRelease(*current, release_);
+  }
+  return event::WriteFinished{task.write, std::move(conflict)};
+}
+
+Result<content::WriteOutcome> StoreWorker::Write(const effect::WriteAnchor& task) {
+  if (task.operation == AnchorOperation::kDelete) {
+    return store_->Delete(task.record.room, task.record.id, task.expected_revision);
+  }
+  content::AnchorRecord record = task.record;
+  record.attachments = AttachToSubmaps(record.map_from_anchor, task.seen_in, release_);
+  record.place = map_plane_.ToGeo(Point<Map>(record.map_from_anchor.translation()));
+  record.changed_utc_ms = UtcMilliseconds();
+  if (task.operation == AnchorOperation::kMove) {
+    return store_->Update(record, task.expected_revision);
+  }
+  record.created_utc_ms = record.changed_utc_ms;
+  return store_->Create(record);
+}
+
+}  // namespace waymark::session

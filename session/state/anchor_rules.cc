@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/state/anchor_rules.h"
+
+#include <fmt/format.h>
+
+namespace waymark::session {
+namespace {
+
+constexpr double kSamePosition_m = 1e-6;
+constexpr double kSameRotation_rad = 1e-6;
+
+bool IsSamePose(const Rigid3& a, const Rigid3& b) {
+  return (a.translation() - b.translation()).norm() < kSamePosition_m &&
+         AngleBetween(a.rotation(), b.rotation()).radians() < kSameRotation_rad;
+}
+
+bool IsDone(AnchorOperation operation, const content::AnchorRecord& intended,
+            const content::AnchorRecord& current) {
+  const bool same_pose =
+      IsSamePose(intended.map_from_anchor.rigid(), current.map_from_anchor.rigid());
+  if (operation == AnchorOperation::kMove) return same_pose;
+  return operation == AnchorOperation::kCreate && same_pose && intended.kind == current.kind &&
+         intended.payload == current.payload && intended.owner == current.owner;
+}
+
+content::AnchorRecord NewRecord(const AnchorCommand& command, const RoomMember& member) {
+  return {.id = command.anchor,
+          .room = member.room,
+          .owner = member.device.text(),
+          .map_from_anchor = command.map_from_anchor,
+          .epoch = command.epoch,
+          .attachments = {},
+          .place = {},
+          .kind = command.kind,
+          .payload = command.payload};
+}
+
+std::variant<CommandVerdict, IntendedWrite> DecideCreation(const AnchorCommand& command,
+                                                           const RoomMember& member,
+                                                           const Room& room,
+                                                           const AnchorRules& rules) {
+  const content::AnchorRecord record = NewRecord(command, member);
+  if (const auto found = room.anchors.find(command.anchor); found != room.anchors.end()) {
+    return DecideConflict(AnchorOperation::kCreate, record, found->second);
+  }
+  if (room.anchors.size() + room.writes_under_way >= rules.max_anchors) {
+    return CommandVerdict{
+        CommandOutcome::kInvalid,
+        fmt::format("room {}: holds its {} anchors already", member.room.text(), rules.max_anchors),
+        std::nullopt};
+  }
+  return IntendedWrite{record, 0};
+}
+
+std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& command,
+                                                         const RoomMember& member,
+                                                         const RoomAnchor& current,
+                                                         const AnchorRules& rules) {
+  if (rules.rights == AnchorRights::kOwner && current.record.owner != member.device.text()) {
+    return CommandVerdict{
+        CommandOutcome::kInvalid,
+        fmt::format("anchor {}: belongs to device {}", command.anchor.text(), current.record.owner),
+        current};
+  }
+  content::AnchorRecord record = current.record;
+  if (command.operation == AnchorOperation::kMove) {
+    record.map_from_anchor = command.map_from_anchor;
+    record.epoch = command.epoch;
+    record.attachments.clear();
+  }
+  if (current.record.revision != command.expected_revision) {
+    return DecideConflict(command.operation, record, current);
+  }
+  return IntendedWrite{std::move(record), command.expected_revision};
+}
+
+}  // namespace
+
+std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& command,
+                                                          const RoomMember& member,
+                                                          const Room& room,
+                                                          const AnchorRules& rules) {
+  const bool has_pose = command.operation != AnchorOperation::kDelete;
+  if (has_pose && command.epoch != rules.live_epoch) {
+    return CommandVerdict{CommandOutcome::kConflict,
+                          fmt::format("anchor {}: its pose is in map epoch {}, the map is at {}",
+                                      command.anchor.text(), command.epoch, rules.live_epoch),
+                          std::nullopt};
+  }
+  if (command.operation == AnchorOperation::kCreate) {
+    return DecideCreation(command, member, room, rules);
+  }
+  const auto found = room.anchors.find(command.anchor);
+  if (found == room.anchors.end()) {
+    return CommandVerdict{
+        CommandOutcome::kNotFound,
+        fmt::format("anchor {}: room {} has none", command.anchor.text(), member.room.text()),
+        std::nullopt};
+  }
+  return DecideChange(command, member, found->second, rules);
+}
+
+CommandVerdict DecideConflict(AnchorOperation operation, const content::AnchorRecord& intended,
+                              const std::optional<RoomAnchor>& current) {
+  const std::string id = intended.id.text();
+  if (!current) {
+    return {CommandOutcome::kNotFound, fmt::format("anchor {}: was deleted", id), std::nullopt};
+  }
+  if (IsDone(operation, intended, current->record)) {
+    return {CommandOutcome::kApplied, "", current};
+  }
+  return {CommandOutcome::kConflict,
+          operation == AnchorOperation::kCreate
+              ? fmt::format("anchor {}: exists with other content", id)
+              : fmt::format("anchor {}: was changed meanwhile, revision {}", id,
+                            current->record.revision),
+          current};
+}
+
+}  // namespace waymark::session

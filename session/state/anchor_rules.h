@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "session/state/room.h"
+
+namespace waymark::session {
+
+/// Who may move and delete an anchor.
+enum class AnchorRights : std::uint8_t { kEveryone, kOwner };
+
+struct AnchorRules {
+  AnchorRights rights = AnchorRights::kEveryone;
+  std::size_t max_anchors = 20'000;  ///< of a room
+  std::uint64_t live_epoch = 1;
+};
+
+/// Answered without the store.
+struct CommandVerdict {
+  CommandOutcome outcome = CommandOutcome::kApplied;
+  std::string reason;
+  std::optional<RoomAnchor> current;
+};
+
+/// What the store shall be asked.
+struct IntendedWrite {
+  content::AnchorRecord record;
+  std::uint64_t expected_revision = 0;
+};
+
+/// Decides a command of a member against the room as acknowledged so far. The store has the last
+/// word: another command may be under way.
+std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& command,
+                                                          const RoomMember& member,
+                                                          const Room& room,
+                                                          const AnchorRules& rules);
+
+/// How a conflict that the store found is told. A repetition whose first run was acknowledged
+/// before the server restarted finds its own work: that is no conflict.
+CommandVerdict DecideConflict(AnchorOperation operation, const content::AnchorRecord& intended,
+                              const std::optional<RoomAnchor>& current);
+
+}  // namespace waymark::session

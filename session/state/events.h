@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "content_store/anchor_store.h"
+#include "session/state/messages.h"
+
+/// What happens to a session, and what it then wants done.
+namespace waymark::session {
+
+/// One write to the store under way.
+enum class WriteNumber : std::uint64_t {};
+
+namespace event {
+
+/// `fresh_ticket` is random and unused so far; it is taken only if the device is new.
+struct HelloReceived {
+  Hello hello;
+  Ticket fresh_ticket{};
+};
+struct DeviceLeft {
+  DeviceId device;
+};
+/// Any sign of life that carries nothing else: a ping, an image.
+struct Heard {
+  Ticket ticket{};
+};
+struct PoseReceived {
+  PoseReport report;
+};
+struct CommandReceived {
+  AnchorCommand command;
+};
+/// The answer to effect::LoadRoom.
+struct RoomLoaded {
+  RoomId room;
+  Result<std::uint64_t> revision;
+  std::vector<RoomAnchor> anchors;
+};
+/// The answer to effect::WriteAnchor. A record comes as a RoomAnchor of the live epoch.
+struct WriteFinished {
+  struct Applied {
+    RoomAnchor anchor;  ///< as stored; for a deletion its last state with the deletion's revision
+  };
+  struct Conflict {
+    std::optional<RoomAnchor> current;
+  };
+
+  WriteNumber write{};
+  Result<std::variant<Applied, Conflict>> outcome;
+};
+/// Time has passed; comes at the tick rate.
+struct Ticked {};
+
+}  // namespace event
+
+using Event =
+    std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
+                 event::CommandReceived, event::RoomLoaded, event::WriteFinished, event::Ticked>;
+
+namespace effect {
+
+/// Read a room's anchors and report event::RoomLoaded.
+struct LoadRoom {
+  RoomId room;
+};
+/// From now on there are publications to this room.
+struct OpenRoom {
+  RoomId room;
+};
+struct CloseRoom {
+  RoomId room;
+};
+struct SendWelcome {
+  RoomId room;
+  Welcome welcome;
+};
+/// Nothing more will be said to this device.
+struct CloseDevice {
+  DeviceId device;
+};
+struct PublishPresence {
+  RoomId room;
+  Presence presence;
+};
+struct WithdrawPresence {
+  RoomId room;
+  DeviceId device;
+};
+struct PublishPoses {
+  RoomId room;
+  PoseBatch batch;
+};
+struct PublishAnchor {
+  RoomId room;
+  AnchorState state;
+};
+struct WithdrawAnchor {
+  RoomId room;
+  AnchorId anchor;
+};
+struct PublishRoomState {
+  RoomState state;
+};
+/// Write to the store and report event::WriteFinished. What only the store's side knows
+/// (attachments to submaps, place, times) is filled in there.
+struct WriteAnchor {
+  WriteNumber write{};
+  AnchorOperation operation = AnchorOperation::kCreate;
+  content::AnchorRecord record;
+  std::uint64_t expected_revision = 0;
+  std::vector<SubmapId> seen_in;
+};
+struct SendReply {
+  CommandReply reply;
+};
+
+}  // namespace effect
+
+using Effect =
+    std::variant<effect::LoadRoom, effect::OpenRoom, effect::CloseRoom, effect::SendWelcome,
+                 effect::CloseDevice, effect::PublishPresence, effect::WithdrawPresence,
+                 effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
+                 effect::PublishRoomState, effect::WriteAnchor, effect::SendReply>;
+
+}  // namespace waymark::session

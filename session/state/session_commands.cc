@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of anchor commands: decided, written, published, answered, in this order.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "session/state/session_state.h"
+
+namespace waymark::session {
+namespace {
+
+constexpr std::size_t kRememberedReplies = 64;  // twice what may be under way
+
+}  // namespace
+
+void SessionState::On(const event::CommandReceived& event, Step& step) {
+  const AnchorCommand& command = event.command;
+  RoomMember* const member = FindHeard(command.ticket, step.now);
+  if (member == nullptr || member->under_way.contains(command.request)) return;
+  const auto answered =
+      std::find_if(member->answered.begin(), member->answered.end(),
+                   [&](const CommandReply& reply) { return reply.request == command.request; });
+  if (answered != member->answered.end()) {
+    CommandReply reply = *answered;
+    const auto& anchors = rooms_.at(member->room).anchors;
+    const auto current = anchors.find(reply.anchor);
+    if (current != anchors.end()) reply.current = current->second;
+    step.effects.push_back(effect::SendReply{std::move(reply)});
+    return;
+  }
+  if (member->under_way.size() >= options_.max_writes_per_device) {
+    // Not remembered: the repetition may find room.
+    step.effects.push_back(effect::SendReply{
+        {.device = member->device,
+         .request = command.request,
+         .outcome = CommandOutcome::kUnavailable,
+         .reason = fmt::format("{} commands of this device wait already", member->under_way.size()),
+         .anchor = command.anchor,
+         .current = std::nullopt}});
+    return;
+  }
+  Room& room = rooms_.at(member->room);
+  auto decision = DecideCommand(
+      command, *member, room,
+      {.rights = options_.rights, .max_anchors = options_.max_anchors, .live_epoch = map_.epoch});
+  if (const auto* verdict = std::get_if<CommandVerdict>(&decision)) {
+    return Answer(*member, command.request, command.anchor, *verdict, step);
+  }
+  auto& intended = std::get<IntendedWrite>(decision);
+  const WriteNumber number{next_write_++};
+  step.effects.push_back(effect::WriteAnchor{.write = number,
+                                             .operation = command.operation,
+                                             .record = intended.record,
+                                             .expected_revision = intended.expected_revision,
+                                             .seen_in = command.seen_in});
+  member->under_way.insert(command.request);
+  ++room.writes_under_way;
+  writes_.emplace(number, PendingWrite{member->device, command.request, command.operation,
+                                       std::move(intended.record)});
+}
+
+void SessionState::On(const event::WriteFinished& event, Step& step) {
+  const auto found = writes_.find(event.write);
+  if (found == writes_.end()) return;
+  const PendingWrite write = std::move(found->second);
+  writes_.erase(found);
+  const RoomId& id = write.intended.room;
+  Room& room = rooms_.at(id);  // rooms stay while something is written
+  --room.writes_under_way;
+  room.last_used = step.now;
+
+  CommandVerdict verdict;
+  if (!event.outcome.ok()) {
+    verdict = {CommandOutcome::kUnavailable, ToString(event.outcome.error()), std::nullopt};
+  } else if (const auto* applied = std::get_if<event::WriteFinished::Applied>(&*event.outcome)) {
+    if (write.operation == AnchorOperation::kDelete) {
+      room.Remove(write.intended.id, applied->anchor.record.revision);
+      step.effects.push_back(effect::WithdrawAnchor{id, write.intended.id});
+    } else {
+      room.Put(applied->anchor);
+      step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, applied->anchor}});
+      verdict.current = applied->anchor;
+    }
+    PublishState(id, room, step);
+  } else {
+    verdict = DecideConflict(write.operation, write.intended,
+                             std::get<event::WriteFinished::Conflict>(*event.outcome).current);
+  }
+  const auto member = members_.find(write.device);
+  if (member == members_.end()) return;  // left meanwhile; what was written stays
+  member->second.under_way.erase(write.request);
+  Answer(member->second, write.request, write.intended.id, verdict, step);
+}
+
+void SessionState::Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
+                          const CommandVerdict& verdict, Step& step) {
+  CommandReply reply{.device = member.device,
+                     .request = request,
+                     .outcome = verdict.outcome,
+                     .reason = verdict.reason,
+                     .anchor = anchor,
+                     .current = std::nullopt};
+  member.answered.push_back(reply);  // without the anchor: memory stays small whatever it carries
+  if (member.answered.size() > kRememberedReplies) member.answered.pop_front();
+  reply.current = verdict.current;
+  step.effects.push_back(effect::SendReply{std::move(reply)});
+}
+
+}  // namespace waymark::session

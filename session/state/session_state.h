@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <vector>
+
+#include "session/state/anchor_rules.h"
+#include "session/state/events.h"
+#include "session/state/room.h"
+
+namespace waymark::session {
+
+struct StateOptions {
+  std::chrono::nanoseconds presence_timeout = std::chrono::seconds(3);  ///< silence that is absence
+  std::chrono::nanoseconds room_idle = std::chrono::seconds(60);  ///< an empty room is kept so long
+  std::chrono::nanoseconds pose_repeat = std::chrono::milliseconds(500);  ///< of who stands still
+  std::chrono::nanoseconds max_clock_error = std::chrono::seconds(10);    ///< of a pose's time
+  std::size_t max_rooms = 64;
+  std::size_t max_members = 256;           ///< of a room
+  std::size_t max_anchors = 20'000;        ///< of a room
+  std::size_t max_writes_per_device = 32;  ///< waiting for the store
+  AnchorRights rights = AnchorRights::kEveryone;
+
+  Result<void> Validate() const;
+};
+
+/// The rules of a session: who is in which room, who is gone, where everybody is, and what becomes
+/// of anchor commands. Pure: the same events at the same times give the same effects, so a log of
+/// them replays a session. No clock, thread, socket or randomness inside. Thread-compatible.
+class SessionState {
+ public:
+  SessionState(const StateOptions& options, RunId run, const MapIdentity& map);
+
+  std::vector<Effect> Apply(const Event& event, ServerTime now);
+
+  /// Who holds the ticket.
+  const RoomMember* FindMember(Ticket ticket) const;
+  std::size_t MemberCount() const { return members_.size(); }
+  std::size_t RoomCount() const { return rooms_.size(); }
+
+ private:
+  /// What one event leads to.
+  struct Step {
+    ServerTime now;
+    std::vector<Effect> effects;
+  };
+  struct PendingWrite {
+    DeviceId device;
+    Uuid request;
+    AnchorOperation operation;
+    content::AnchorRecord intended;
+  };
+
+  void On(const event::HelloReceived& event, Step& step);
+  void On(const event::DeviceLeft& event, Step& step);
+  void On(const event::Heard& event, Step& step);
+  void On(const event::PoseReceived& event, Step& step);
+  void On(const event::CommandReceived& event, Step& step);
+  void On(const event::RoomLoaded& event, Step& step);
+  void On(const event::WriteFinished& event, Step& step);
+  void On(const event::Ticked& event, Step& step);
+
+  void Admit(const event::HelloReceived& event, Step& step);
+  void Greet(const RoomMember& member, std::uint32_t attempt, Step& step);
+  void Refuse(const Hello& hello, JoinVerdict verdict, const std::string& reason, Step& step);
+  void Remove(const DeviceId& device, Step& step);
+  void RemoveSilent(Step& step);
+  void CloseIdleRooms(Step& step);
+  void PublishPoses(const RoomId& id, const Room& room, Step& step);
+  void PublishState(const RoomId& id, const Room& room, Step& step);
+  void Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
+              const CommandVerdict& verdict, Step& step);
+  RoomMember* FindHeard(Ticket ticket, ServerTime now);
+
+  StateOptions options_;
+  RunId run_;
+  MapIdentity map_;
+  std::map<RoomId, Room> rooms_;
+  std::map<DeviceId, RoomMember> members_;
+  std::map<Ticket, DeviceId> tickets_;
+  std::map<WriteNumber, PendingWrite> writes_;
+  std::uint32_t next_number_ = 1;
+  std::uint64_t next_write_ = 1;
+  std::uint32_t tick_ = 0;
+};
+
+}  // namespace waymark::session
