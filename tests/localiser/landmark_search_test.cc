@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localiser/internal/landmark_search.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Two real ARKit walks past the same AprilTags: one serves as the map, the other as the phone.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>

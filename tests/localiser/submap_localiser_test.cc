@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localiser/internal/submap_localiser.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "localiser/internal/pose_acceptance.h"
