@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/base/parallel.h"
 #include "mapping/base/time.h"
 #include "mapping/features/features.h"
 #include "mapping/geometry/frames.h"
@@ -18,15 +19,18 @@ struct PairingImage {
   std::string sequence;  ///< images of one camera of one experience share it
   SensorTime time;
   std::optional<Point<Map>> gnss_in_map;
-  std::span<const Descriptor> descriptors;
+  std::span<const Descriptor> descriptors;  ///< strongest first
 };
 
+/// Each way of choosing adds to what those before it chose: its neighbours are not counted twice.
 struct PairingOptions {
-  int sequential_neighbours = 10;  ///< successors of the same sequence, also at powers of two
-  int spatial_neighbours = 20;     ///< nearest by GNSS within the radius
-  double spatial_radius_m = 40;
-  int retrieval_neighbours = 10;  ///< most similar by appearance; 0 switches retrieval off
-  int exhaustive_below = 40;      ///< at most this many images: all pairs
+  int sequential_neighbours = 10;  ///< successors of the same sequence; powers of two to 8 times it
+  int spatial_neighbours = 20;     ///< nearest by horizontal GNSS distance within the radius
+  double spatial_radius_m = 40;    ///< appearance is believed up to five times as far
+  int retrieval_neighbours = 10;   ///< most similar by appearance; 0 switches retrieval off
+  int exhaustive_below = 40;       ///< at most this many images: all pairs
+  std::uint32_t seed = 1;          ///< of the vocabulary that retrieval trains
+  Parallelism parallelism;         ///< does not change the result
 
   Result<void> Validate() const;
 };
