@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <optional>
+#include <string_view>
+
+#include "examples/simulator/random.h"
+
+namespace waymark::simulator {
+
+/// Light on the street and how well a camera copes with it. Intensities are linear; 1 makes a white
+/// surface white.
+struct Lighting {
+  Eigen::Vector3d to_sun;   ///< unit
+  Eigen::Vector3f sun;      ///< intensity by colour; zero: no sun, no shadows
+  Eigen::Vector3f sky;      ///< intensity by colour, from all of the upper half
+  Eigen::Vector3f horizon;  ///< colour of the sky as displayed, [0, 255]
+  Eigen::Vector3f zenith;
+  float clouds = 0;        ///< contrast of clouds, [0, 1]
+  float window_light = 0;  ///< how strongly lit windows and signs show, [0, 1]
+  float longest_gain = 1;  ///< automatic exposure stops here, >= 1
+  float noise = 1;         ///< standard deviation at gain 1, of 255 levels
+};
+
+enum class LightPreset { kDay, kOvercast, kEvening, kNight };
+
+std::string_view LightPresetName(LightPreset preset);
+std::optional<LightPreset> FindLightPreset(std::string_view name);
+
+/// The light of one recording: the preset at a slightly different hour for each seed.
+Lighting MakeLighting(LightPreset preset, Random random);
+
+}  // namespace waymark::simulator
