@@ -25,7 +25,7 @@ struct BundleCamera {
 
 struct BundlePose {
   Rigid3 world_from_camera;
-  std::uint32_t camera;
+  std::uint32_t camera = 0;
   bool hold = false;
   std::optional<Eigen::Vector3d> position_prior;  ///< of the camera centre, in the world
   double position_sigma_m = 1;

@@ -26,12 +26,12 @@ struct SfmCamera {
 
 /// An image of the input. The submap frame is ENU at the submap's origin, so priors are in it.
 struct SfmImage {
-  std::uint32_t camera;  ///< index into the cameras
-  std::span<const Keypoint> keypoints;
-  std::optional<Point<Submap>> gnss_in_submap;  ///< prior of the camera centre
+  std::uint32_t camera = 0;  ///< index into the cameras
+  std::span<const Keypoint> keypoints = {};
+  std::optional<Point<Submap>> gnss_in_submap = {};  ///< prior of the camera centre
   double gnss_sigma_m = 1;
   /// The direction "up" seen by the accelerometer in camera axes, unit length.
-  std::optional<Eigen::Vector3d> up_in_camera;
+  std::optional<Eigen::Vector3d> up_in_camera = {};
   std::uint32_t group = 0;  ///< images of one experience share it: verification and pairing
 };
 

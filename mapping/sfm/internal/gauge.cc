@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/sfm/internal/gauge.h"
+
+#include <algorithm>
+
+#include "mapping/estimation/geo_alignment.h"
+
+namespace waymark::mapping::internal {
+namespace {
+
+std::vector<GeoSample> Samples(const Model& model) {
+  std::vector<GeoSample> samples;
+  for (std::uint32_t image : model.registered()) {
+    const SfmImage& input = model.images()[image];
+    GeoSample sample{.model_from_camera = model.pose(image),
+                     .position_in_enu = std::nullopt,
+                     .position_sigma_m = input.gnss_sigma_m,
+                     .up_in_camera = input.up_in_camera};
+    if (input.gnss_in_submap) sample.position_in_enu = input.gnss_in_submap->coordinates();
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+}  // namespace
+
+GaugeState UpdateGauge(Model& model, const GaugeState& before, const SfmOptions& options) {
+  const std::vector<GeoSample> samples = Samples(model);
+  const bool has_gravity = std::any_of(samples.begin(), samples.end(), [](const GeoSample& s) {
+    return s.up_in_camera.has_value();
+  });
+  if (const auto alignment = EstimateGeoAlignment(
+          samples, {.gravity_sigma_rad = options.gravity_sigma_rad, .seed = options.seed})) {
+    model.Transform(alignment->enu_from_model);
+    return {Gauge::kGeographic, alignment->is_straight && !has_gravity};
+  }
+  if (before.gauge == Gauge::kGeographic || !has_gravity) return before;
+  model.Transform(Sim3(1, UprightRotation(EstimateUp(samples)), Eigen::Vector3d::Zero()));
+  return {Gauge::kUpright, false};
+}
+
+void NormaliseGauge(Model& model, const GaugeState& state) {
+  if (state.gauge == Gauge::kGeographic) return;
+  std::vector<std::uint32_t> images(model.registered().begin(), model.registered().end());
+  std::sort(images.begin(), images.end());
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  std::vector<double> baselines;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Eigen::Vector3d& position = model.pose(images[i]).translation();
+    centre += position / static_cast<double>(images.size());
+    if (i > 0) baselines.push_back((position - model.pose(images[i - 1]).translation()).norm());
+  }
+  const auto middle = baselines.begin() + static_cast<std::ptrdiff_t>(baselines.size() / 2);
+  std::nth_element(baselines.begin(), middle, baselines.end());
+  const double scale = *middle > 0 ? 1 / *middle : 1;
+  // Without gravity the cameras themselves are the best guess of where up is.
+  const Eigen::Quaterniond upright = UprightRotation(EstimateUp(Samples(model)));
+  model.Transform(Sim3(scale, upright, -scale * (upright * centre)));
+}
+
+}  // namespace waymark::mapping::internal

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/sfm/internal/registration.h"
+
+#include <algorithm>
+#include <array>
+
+#include "mapping/estimation/absolute_pose.h"
+
+namespace waymark::mapping::internal {
+namespace {
+
+// Points are still rough while the model grows, and a pose with this many agreeing points is not
+// chance: accept more error here, bundle adjustment and filtering follow.
+constexpr double kErrorFactor = 2;
+constexpr double kMinInlierShare = 0.15;
+
+// Focal lengths tried for a camera whose focal length is a guess, as shares of the guess.
+constexpr std::array kFocalFactors{1.0, 0.8, 1.25, 0.64, 1.56, 0.5, 2.0};
+
+struct Matches {
+  std::vector<Eigen::Vector2d> pixels_px;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> quality;
+};
+
+Matches VisiblePoints(const Model& model, std::uint32_t image) {
+  Matches matches;
+  for (std::uint32_t t : model.TracksOf(image)) {
+    const Track& track = model.track(t);
+    if (!track.position) continue;
+    const auto element = std::find_if(track.elements.begin(), track.elements.end(),
+                                      [image](const TrackElement& e) { return e.image == image; });
+    matches.pixels_px.push_back(model.Pixel(*element));
+    matches.points.push_back(*track.position);
+    // What many images agree on is likely right.
+    matches.quality.push_back(static_cast<double>(track.ObservationCount()));
+  }
+  return matches;
+}
+
+CameraModel WithScaledFocal(const CameraModel& camera, double factor) {
+  std::vector<double> parameters(camera.parameters().begin(), camera.parameters().end());
+  parameters[0] *= factor;
+  if (camera.kind() == CameraKind::kPinhole || camera.kind() == CameraKind::kOpenCv) {
+    parameters[1] *= factor;
+  }
+  return *CameraModel::Create(camera.kind(), camera.width_px(), camera.height_px(), parameters);
+}
+
+}  // namespace
+
+Registrar::Registrar(const Model& model, const SfmOptions& options)
+    : options_(options), attempts_(model.images().size()) {}
+
+std::optional<std::uint32_t> Registrar::NextImage(const Model& model) const {
+  std::optional<std::uint32_t> best;
+  for (std::uint32_t image = 0; image < model.images().size(); ++image) {
+    if (model.IsRegistered(image)) continue;
+    const VisibilityGrid& sees = model.visibility(image);
+    if (sees.count() < options_.min_pair_inliers) continue;
+    const Attempt& attempt = attempts_[image];
+    if (!attempt.failure.empty() && sees.count() < attempt.visible * 5 / 4 + 5) continue;
+    if (!best || sees.score() > model.visibility(*best).score()) best = image;
+  }
+  return best;
+}
+
+bool Registrar::TryRegister(Model& model, std::uint32_t image) {
+  const Matches matches = VisiblePoints(model, image);
+  const std::uint32_t camera = model.images()[image].camera;
+  const bool camera_in_use =
+      std::any_of(model.registered().begin(), model.registered().end(),
+                  [&](std::uint32_t other) { return model.images()[other].camera == camera; });
+  const bool sweep = !model.input_cameras()[camera].has_known_focal &&
+                     model.input_cameras()[camera].refine && !camera_in_use;
+  std::optional<AbsolutePose> best;
+  CameraModel best_camera = model.camera(camera);
+  for (const double factor : kFocalFactors) {
+    if (factor != 1 && !sweep) break;
+    const CameraModel candidate = WithScaledFocal(model.camera(camera), factor);
+    auto pose = EstimateAbsolutePose(candidate, matches.pixels_px, matches.points, matches.quality,
+                                     {.max_error_px = kErrorFactor * options_.max_reprojection_px,
+                                      .min_inliers = std::max(options_.min_pair_inliers, 4),
+                                      .seed = options_.seed + image});
+    if (!pose || !*pose) continue;
+    if (best && (*pose)->inliers.size() <= best->inliers.size()) continue;
+    best = std::move(**pose);
+    best_camera = candidate;
+  }
+  const std::size_t found = best ? best->inliers.size() : 0;
+  if (!best ||
+      static_cast<double>(found) < kMinInlierShare * static_cast<double>(matches.points.size())) {
+    attempts_[image] = {
+        model.visibility(image).count(),
+        best ? fmt::format("no pose: only {} of {} points agree", found, matches.points.size())
+             : fmt::format("no pose: fewer than {} of {} points agree", options_.min_pair_inliers,
+                           matches.points.size())};
+    return false;
+  }
+  if (sweep) model.SetCamera(camera, best_camera);
+  model.Register(image, best->world_from_camera);
+  return true;
+}
+
+void Registrar::Reject(const Model& model, std::uint32_t image, std::string reason) {
+  attempts_[image] = {model.visibility(image).count(), std::move(reason)};
+}
+
+void Registrar::ForgetAttempts() {
+  for (Attempt& attempt : attempts_) attempt.visible = 0;
+}
+
+}  // namespace waymark::mapping::internal
