@@ -246,8 +246,8 @@ TEST_F(ImportedPhotos, ThatAreDamagedNeverCrashTheReaders) {
       damaged[i] = static_cast<std::uint8_t>(engine());
       (void)internal::ReadJpegSize(damaged);
       const auto exif = internal::ReadPhotoExif(damaged);
-      if (exif && exif->place) EXPECT_TRUE(exif->place->Validate());
-      if (exif && exif->time) EXPECT_GE(ToNanoseconds(*exif->time), 0);
+      EXPECT_TRUE(!exif || !exif->place || exif->place->Validate());
+      EXPECT_TRUE(!exif || !exif->time || ToNanoseconds(*exif->time) >= 0);
     }
   }
 }
