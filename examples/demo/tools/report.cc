@@ -39,7 +39,7 @@ Result<GeoPoint> LoadWorldOrigin(const std::filesystem::path& file) {
 Result<demo::TruePoses> LoadVehicleTruth(const Flags& flags) {
   demo::TruePoses all;
   for (const std::string& name : flags.experiences) {
-    const auto file = std::filesystem::path(flags.truth) / "experiences" / (name + ".tum");
+    const auto file = std::filesystem::path(flags.truth) / "experiences" / name / "cameras.txt";
     WAYMARK_TRY_ASSIGN(const auto poses, demo::LoadTruePoses(file));
     for (const auto& [image, pose] : poses) all[name + "/" + image] = pose;
   }
