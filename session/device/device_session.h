@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,7 +27,13 @@ struct DeviceOptions {
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
   int jpeg_quality = 85;                                 ///< [30, 100]
   std::chrono::duration<double> request_timeout{5.0};
-  localiser::AlignmentOptions alignment;
+  localiser::AlignmentOptions alignment = {};
+  /// A UUID to join as, for example the one of an earlier session, whose anchors are then ours;
+  /// absent: a new one.
+  std::optional<DeviceId> id = std::nullopt;
+  /// The clock that frames and odometry are stamped with; absent: std::chrono::steady_clock.
+  std::function<DeviceTime()> clock = nullptr;
+  int transmit_loss_per_mille = 0;  ///< own packets thrown away, [0, 999]; for tests of bad links
 
   Result<void> Validate() const;
 };
@@ -40,7 +47,7 @@ struct DeviceFrame {
   Transform<Device, Camera> device_from_camera;
   Transform<Vo, Device> vo_from_device;
   DeviceTime time;
-  std::optional<GeoPoint> gnss;
+  std::optional<GeoPoint> gnss = std::nullopt;
   double gnss_sigma_m = 10;
 };
 
@@ -71,6 +78,7 @@ struct SharedAnchor {
   std::uint64_t revision = 0;
   std::string kind;
   std::string payload;
+  bool is_supported = true;  ///< false: none of the submaps it was seen in is left in the map
 };
 
 /// Counters for people and tests.
@@ -79,7 +87,16 @@ struct DeviceStatistics {
   int fixes = 0;
   int refusals = 0;  ///< the server answered "not localised" or "busy"
   int timeouts = 0;
+  int joins = 0;  ///< 1, and one more for every time the server had to be found again
   std::vector<double> fix_latency_ms;  ///< image pushed until fix applied
+};
+
+/// The map that the room stands in.
+struct SessionMap {
+  std::string id;
+  bool is_geo_aligned = true;
+  GeoPoint origin;
+  std::uint64_t epoch = 0;
 };
 
 /// What a phone app links: joins a room and keeps odometry, map, other phones and anchors together.
@@ -92,6 +109,8 @@ class DeviceSession {
   virtual ~DeviceSession() = default;
 
   virtual const DeviceId& id() const = 0;
+  /// Where the map is, as the server last said.
+  virtual SessionMap DescribeMap() const = 0;
   /// Hands over a frame; a keyframe is sent when the interval has passed and none is under way.
   virtual Result<void> PushFrame(const DeviceFrame& frame) = 0;
   /// Odometry between frames: cheap, at the rate the phone has it; publishes the live pose.

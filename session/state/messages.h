@@ -162,10 +162,10 @@ struct AnchorCommand {
   AnchorId anchor;
   std::uint64_t expected_revision = 0;  ///< move, delete
   std::uint64_t epoch = 1;              ///< of map_from_anchor
-  Transform<Map, Anchor> map_from_anchor;
-  std::vector<SubmapId> seen_in;  ///< submaps of the fixes it stands on, best first
-  std::string kind;               ///< create
-  std::string payload;            ///< create
+  Transform<Map, Anchor> map_from_anchor = {};
+  std::vector<SubmapId> seen_in = {};  ///< submaps of the fixes it stands on, best first
+  std::string kind = {};               ///< create
+  std::string payload = {};            ///< create
 };
 
 enum class CommandOutcome : std::uint8_t { kApplied, kConflict, kNotFound, kInvalid, kUnavailable };

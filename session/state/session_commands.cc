@@ -100,8 +100,10 @@ void SessionState::Answer(RoomMember& member, const Uuid& request, const AnchorI
                      .reason = verdict.reason,
                      .anchor = anchor,
                      .current = std::nullopt};
-  member.answered.push_back(reply);  // without the anchor: memory stays small whatever it carries
-  if (member.answered.size() > kRememberedReplies) member.answered.pop_front();
+  if (verdict.outcome != CommandOutcome::kUnavailable) {  // a repetition may fare better
+    member.answered.push_back(reply);  // without the anchor: memory stays small whatever it carries
+    if (member.answered.size() > kRememberedReplies) member.answered.pop_front();
+  }
   reply.current = verdict.current;
   step.effects.push_back(effect::SendReply{std::move(reply)});
 }

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "session/device/internal/desks.h"
+
+namespace waymark::session::internal {
+namespace {
+
+constexpr std::chrono::milliseconds kHelloInterval{300};
+constexpr std::chrono::milliseconds kPingInterval{250};
+constexpr std::chrono::milliseconds kFastPingInterval{20};
+constexpr int kFastPings = 8;  // the best of 8 is good to about the jitter's median
+// Six pings in a row lost: below 0.3 % at 20 % loss both ways, and then joining again is harmless.
+constexpr std::chrono::milliseconds kSilence{1600};
+constexpr std::chrono::milliseconds kLongSilence{4000};  // longer than the lease of 3 s
+constexpr std::chrono::milliseconds kCommandInterval{300};
+
+Instant After(Instant start, std::chrono::duration<double> duration) {
+  return start + std::chrono::duration_cast<Instant::duration>(duration);
+}
+
+}  // namespace
+
+// ---- JoinDesk ---------------------------------------------------------------------------------
+
+bool JoinDesk::TakeHelloDue(Instant now) {
+  if (is_connected_ && now - last_heard_ > kSilence) {
+    is_connected_ = false;
+    ++attempt_;
+    next_hello_ = now;
+  }
+  if (is_connected_ || now < next_hello_) return false;
+  next_hello_ = now + kHelloInterval;
+  return true;
+}
+
+bool JoinDesk::TakePingDue(Instant now) {
+  if (!is_connected_ || now < next_ping_) return false;
+  next_ping_ = now + (fast_pings_ > 0 ? kFastPingInterval : kPingInterval);
+  if (fast_pings_ > 0) --fast_pings_;
+  return true;
+}
+
+bool JoinDesk::TakeLongSilence(Instant now) {
+  if (!welcome_ || is_long_silent_ || now - last_heard_ < kLongSilence) return false;
+  is_long_silent_ = true;
+  return true;
+}
+
+Instant JoinDesk::NextDeadline() const {
+  return is_connected_ ? std::min(next_ping_, last_heard_ + kSilence) : next_hello_;
+}
+
+JoinDesk::Outcome JoinDesk::On(const Welcome& welcome, Instant now) {
+  // Attempts count up, so this understands them even across the wrap.
+  const bool is_ours = welcome.attempt - first_attempt_ <= attempt_ - first_attempt_;
+  if (!is_ours) return Outcome::kIgnored;
+  if (welcome.verdict != JoinVerdict::kAccepted) {
+    return is_connected_ ? Outcome::kIgnored : Outcome::kRefused;
+  }
+  const bool is_news =
+      !is_connected_ || welcome_->run != welcome.run || welcome_->ticket != welcome.ticket;
+  last_heard_ = now;
+  is_long_silent_ = false;
+  if (!is_news) return Outcome::kIgnored;
+  is_connected_ = true;
+  welcome_ = welcome;
+  next_ping_ = now;
+  fast_pings_ = kFastPings;
+  return Outcome::kJoined;
+}
+
+void JoinDesk::OnPong(const ClockPong& pong, Instant now) {
+  if (!welcome_ || pong.run != welcome_->run) return;
+  last_heard_ = now;
+  is_long_silent_ = false;
+}
+
+// ---- ImageDesk --------------------------------------------------------------------------------
+
+bool ImageDesk::Offer(const DeviceFrame& frame, Instant now) {
+  const bool is_early = last_time_ && frame.time >= *last_time_ &&
+                        frame.time - *last_time_ < interval_;  // a clock set back is not early
+  if (stage_ != Stage::kIdle || is_early) return false;
+  waiting_ = frame;
+  pushed_ = now;
+  last_time_ = frame.time;
+  stage_ = Stage::kWaiting;
+  return true;
+}
+
+std::optional<DeviceFrame> ImageDesk::TakeFrame(RequestNumber& request) {
+  if (stage_ != Stage::kWaiting) return std::nullopt;
+  stage_ = Stage::kUnderWay;
+  request = RequestNumber{next_request_++};
+  sent_ = SentFrame{.request = request,
+                    .time = waiting_->time,
+                    .device_from_camera = waiting_->device_from_camera,
+                    .vo_from_device = waiting_->vo_from_device};
+  std::optional<DeviceFrame> frame;
+  std::swap(frame, waiting_);
+  return frame;
+}
+
+void ImageDesk::Abandon() {
+  stage_ = Stage::kIdle;
+  sent_.reset();
+  waiting_.reset();
+}
+
+std::optional<ImageDesk::Match> ImageDesk::TakeMatch(RequestNumber request) {
+  if (stage_ != Stage::kUnderWay || sent_->request != request) return std::nullopt;
+  const Match match{*sent_, pushed_};
+  Abandon();
+  return match;
+}
+
+bool ImageDesk::TakeTimeout(Instant now) {
+  if (stage_ != Stage::kUnderWay || now < After(pushed_, timeout_)) return false;
+  Abandon();
+  return true;
+}
+
+Instant ImageDesk::NextDeadline() const {
+  return stage_ == Stage::kUnderWay ? After(pushed_, timeout_) : kNever;
+}
+
+// ---- CommandDesk ------------------------------------------------------------------------------
+
+void CommandDesk::Add(const AnchorCommand& command, Instant now) {
+  entries_.emplace(command.request, Entry{command, now, 0, "", std::nullopt});
+}
+
+std::vector<AnchorCommand> CommandDesk::TakeDue(Instant now) {
+  std::vector<AnchorCommand> due;
+  for (auto& [request, entry] : entries_) {
+    if (entry.reply || now < entry.next) continue;
+    entry.next = now + kCommandInterval;
+    ++entry.sent;
+    due.push_back(entry.command);
+  }
+  return due;
+}
+
+Instant CommandDesk::NextDeadline() const {
+  Instant next = kNever;
+  for (const auto& [request, entry] : entries_) {
+    if (!entry.reply) next = std::min(next, entry.next);
+  }
+  return next;
+}
+
+bool CommandDesk::On(const CommandReply& reply) {
+  const auto found = entries_.find(reply.request);
+  if (found == entries_.end()) return false;
+  // "Unavailable" may pass (the store is locked, too much waits): keep asking while it is wanted.
+  if (reply.outcome == CommandOutcome::kUnavailable) {
+    found->second.last_refusal = reply.reason;
+  } else {
+    found->second.reply = reply;
+  }
+  return true;
+}
+
+const CommandReply* CommandDesk::FindReply(const Uuid& request) const {
+  const auto found = entries_.find(request);
+  return found == entries_.end() || !found->second.reply ? nullptr : &*found->second.reply;
+}
+
+CommandDesk::Farewell CommandDesk::Remove(const Uuid& request) {
+  const auto found = entries_.find(request);
+  if (found == entries_.end()) return {};
+  const Farewell farewell{found->second.sent, std::move(found->second.last_refusal)};
+  entries_.erase(found);
+  return farewell;
+}
+
+}  // namespace waymark::session::internal

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "session/device/device_session.h"
+#include "session/device/pose_tracker.h"
+#include "session/state/messages.h"
+
+/// The parts of a device session that decide when something is to be said. Pure: the caller tells
+/// them the time of its steady clock. Thread-compatible.
+namespace waymark::session::internal {
+
+using Instant = std::chrono::steady_clock::time_point;
+
+inline constexpr Instant kNever = Instant::max();
+
+/// Joins, notices when the server falls silent, and joins again.
+class JoinDesk {
+ public:
+  /// `first_attempt` should differ from those of earlier lives of the same device.
+  explicit JoinDesk(std::uint32_t first_attempt)
+      : first_attempt_(first_attempt), attempt_(first_attempt) {}
+
+  enum class Outcome { kIgnored, kJoined, kRefused };
+
+  /// Whether a Hello, or a ping, is to be sent now; counted as sent.
+  bool TakeHelloDue(Instant now);
+  bool TakePingDue(Instant now);
+  /// Once per silence, when it has outlasted the lease: then everything is delivered anew.
+  bool TakeLongSilence(Instant now);
+  Instant NextDeadline() const;
+
+  Outcome On(const Welcome& welcome, Instant now);
+  void OnPong(const ClockPong& pong, Instant now);
+
+  std::uint32_t attempt() const { return attempt_; }
+  /// The latest acceptance; absent before the first.
+  const std::optional<Welcome>& welcome() const { return welcome_; }
+  bool IsConnected() const { return is_connected_; }
+
+ private:
+  std::uint32_t first_attempt_;
+  std::uint32_t attempt_;
+  bool is_connected_ = false;
+  bool is_long_silent_ = false;
+  std::optional<Welcome> welcome_;
+  Instant next_hello_ = Instant::min();
+  Instant next_ping_ = kNever;
+  Instant last_heard_;
+  int fast_pings_ = 0;  // left to send
+};
+
+/// One image under way at a time, the newest first.
+class ImageDesk {
+ public:
+  ImageDesk(std::chrono::duration<double> interval, std::chrono::duration<double> timeout)
+      : interval_(interval), timeout_(timeout) {}
+
+  /// Takes the frame if its turn has come; says whether.
+  bool Offer(const DeviceFrame& frame, Instant now);
+  /// A frame that waits to be sent; from then on it is under way.
+  std::optional<DeviceFrame> TakeFrame(RequestNumber& request);
+  /// It could not be sent.
+  void Abandon();
+  /// The frame that an answer belongs to, with when it was pushed; nothing if none waits for it.
+  struct Match {
+    SentFrame frame;
+    Instant pushed;
+  };
+  std::optional<Match> TakeMatch(RequestNumber request);
+  /// Whether the image under way has been given up.
+  bool TakeTimeout(Instant now);
+  Instant NextDeadline() const;
+
+ private:
+  enum class Stage { kIdle, kWaiting, kUnderWay };
+
+  std::chrono::duration<double> interval_;
+  std::chrono::duration<double> timeout_;
+  Stage stage_ = Stage::kIdle;
+  std::optional<DeviceFrame> waiting_;
+  std::optional<SentFrame> sent_;
+  std::optional<DeviceTime> last_time_;
+  Instant pushed_;
+  std::uint32_t next_request_ = 1;
+};
+
+/// Commands are repeated until they are answered.
+class CommandDesk {
+ public:
+  void Add(const AnchorCommand& command, Instant now);
+  /// Those to be sent now; counted as sent.
+  std::vector<AnchorCommand> TakeDue(Instant now);
+  Instant NextDeadline() const;
+
+  /// False: nobody waits for it.
+  bool On(const CommandReply& reply);
+  const CommandReply* FindReply(const Uuid& request) const;
+  /// Ends waiting. What is known of it by then.
+  struct Farewell {
+    int sent = 0;
+    std::string last_refusal;  ///< of an "unavailable" that did not pass
+  };
+  Farewell Remove(const Uuid& request);
+
+ private:
+  struct Entry {
+    AnchorCommand command;
+    Instant next;
+    int sent = 0;
+    std::string last_refusal;
+    std::optional<CommandReply> reply;
+  };
+
+  std::map<Uuid, Entry> entries_;
+};
+
+}  // namespace waymark::session::internal

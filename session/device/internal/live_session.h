@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "session/device/clock_estimator.h"
+#include "session/device/device_session.h"
+#include "session/device/internal/desks.h"
+#include "session/device/pose_tracker.h"
+#include "session/device/room_view.h"
+#include "session/wire/device_bus.h"
+#include "session/wire/inbox.h"
+
+namespace waymark::session::internal {
+
+/// The session over DDS. The application's calls and one worker share the state under a mutex; DDS
+/// threads only leave messages in the inbox. Images are encoded and sent by the worker.
+class LiveSession final : public DeviceSession {
+ public:
+  static Result<std::unique_ptr<LiveSession>> Start(const DeviceOptions& options);
+  ~LiveSession() override;
+
+  /// Errors: as DeviceSession::Join.
+  Result<void> AwaitWelcome();
+
+  const DeviceId& id() const override { return id_; }
+  SessionMap DescribeMap() const override;
+  Result<void> PushFrame(const DeviceFrame& frame) override;
+  void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) override;
+  DevicePose Pose() const override;
+  std::vector<OtherDevice> Others() const override;
+  Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
+                                   const std::string& kind, const std::string& payload) override;
+  Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
+                                  const Transform<Map, Anchor>& map_from_anchor) override;
+  Result<void> DeleteAnchor(const SharedAnchor& anchor) override;
+  std::vector<SharedAnchor> Anchors() const override;
+  bool HasSnapshot() const override;
+  DeviceStatistics Statistics() const override;
+  void Leave() override;
+
+ private:
+  struct WakeUp {};
+  using Item = std::variant<wire::Downward, WakeUp>;
+
+  LiveSession(const DeviceOptions& options, const DeviceId& id, std::uint32_t first_attempt);
+
+  // The worker.
+  void Work();
+  void SendWhatIsDue();
+  void SendFrame();
+  Instant NextDeadline() const;
+  void On(const Welcome& welcome);
+  void On(const Presence& presence) { view_.On(presence); }
+  void On(const wire::DeviceGone& gone);
+  void On(const PoseBatch& batch) { view_.On(batch); }
+  void On(const LocaliseAnswer& answer);
+  void On(const AnchorState& state) { view_.On(state); }
+  void On(const wire::AnchorGone& gone) { view_.OnGone(gone.anchor); }
+  void On(const CommandReply& reply);
+  void On(const RoomState& state) { view_.On(state); }
+  void On(const ClockPong& pong);
+  void On(const WakeUp&) {}
+
+  LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
+  Result<CommandReply> Perform(AnchorCommand command);
+  DevicePose CurrentPose() const;  // with mutex_ held
+  ServerTime SessionNow() const;   // with mutex_ held
+  std::string ServerName() const;
+
+  const DeviceOptions options_;
+  const std::function<DeviceTime()> clock_;
+  const DeviceId id_;
+  Inbox<Item> inbox_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+
+  // Guarded by mutex_.
+  JoinDesk join_;
+  ImageDesk images_;
+  CommandDesk commands_;
+  ClockEstimator session_clock_;
+  PoseTracker tracker_;
+  RoomView view_;
+  DeviceStatistics statistics_;
+  std::optional<Welcome> refusal_;
+  std::uint32_t next_ping_number_ = 0;
+  DeviceTime last_report_;
+  Instant last_refresh_;
+  bool has_left_ = false;
+
+  std::atomic<bool> is_stopping_ = false;
+  std::unique_ptr<wire::DeviceBus> bus_;  // set before the worker starts
+  std::thread worker_;
+};
+
+}  // namespace waymark::session::internal

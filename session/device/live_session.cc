@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+// The worker's half: what arrives, and what is due. The application's half is in session_calls.cc.
+#include <random>
+
+#include "mapping/base/log.h"
+#include "session/device/internal/live_session.h"
+#include "session/device/jpeg.h"
+
+namespace waymark::session::internal {
+namespace {
+
+constexpr std::size_t kMaxWaitingMessages = 65'536;  // a room's whole snapshot at once
+constexpr std::size_t kMaxWaitingBytes = 256 * 1024 * 1024;
+constexpr std::chrono::seconds kRefreshInterval{1};
+
+DeviceTime SteadyNow() {
+  return DeviceTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch()));
+}
+
+std::uint64_t RandomBits() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
+
+std::size_t WeightOf(const wire::Downward& message) {
+  const auto* state = std::get_if<AnchorState>(&message);
+  return state == nullptr ? 0 : state->anchor.record.payload.size();
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
+                         std::uint32_t first_attempt)
+    : options_(options),
+      clock_(options.clock ? options.clock : SteadyNow),
+      id_(id),
+      inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
+      join_(first_attempt),
+      images_(options.keyframe_interval, options.request_timeout),
+      tracker_(options.alignment),
+      view_(id) {}
+
+Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& options) {
+  const DeviceId id =
+      options.id.value_or(DeviceId(FormatUuid(UuidFromBits(RandomBits(), RandomBits()))));
+  std::unique_ptr<LiveSession> session(
+      new LiveSession(options, id, static_cast<std::uint32_t>(RandomBits())));
+  WAYMARK_TRY_ASSIGN(
+      session->bus_,
+      wire::DeviceBus::Create({.role = dds::ParticipantOptions::Role::kClient,
+                               .domain = options.dds_domain,
+                               .server = options.server,
+                               .transmit_loss_per_mille = options.transmit_loss_per_mille},
+                              options.room, id, [inbox = &session->inbox_](wire::Downward message) {
+                                const std::size_t weight = WeightOf(message);
+                                inbox->TryPush(std::move(message), weight);
+                              }));
+  session->worker_ = std::thread([raw = session.get()] { raw->Work(); });
+  return session;
+}
+
+LiveSession::~LiveSession() { Leave(); }
+
+// ---- the worker -------------------------------------------------------------------------------
+
+void LiveSession::Work() {
+  Instant deadline = std::chrono::steady_clock::now();
+  while (!is_stopping_) {
+    const std::vector<Item> items = inbox_.TakeAll(deadline);
+    {
+      const std::lock_guard lock(mutex_);
+      for (const Item& item : items) {
+        if (const auto* message = std::get_if<wire::Downward>(&item)) {
+          std::visit([this](const auto& content) { On(content); }, *message);
+        }
+      }
+      SendWhatIsDue();
+    }
+    changed_.notify_all();
+    SendFrame();
+    const std::lock_guard lock(mutex_);
+    deadline = NextDeadline();
+  }
+}
+
+void LiveSession::SendWhatIsDue() {
+  const Instant now = std::chrono::steady_clock::now();
+  // What cannot be sent now is due again soon: nothing here is said only once.
+  if (join_.TakeHelloDue(now)) {
+    (void)bus_->Send(Hello{.device = id_,
+                           .protocol = kProtocol,
+                           .attempt = join_.attempt(),
+                           .room = options_.room,
+                           .name = options_.name});
+  }
+  if (join_.TakeLongSilence(now)) view_.BeginResync();
+  if (join_.TakePingDue(now)) {
+    (void)bus_->Send(ClockPing{.ticket = join_.welcome()->ticket,
+                               .sequence_number = next_ping_number_++,
+                               .sent = clock_()});
+  }
+  if (join_.IsConnected()) {
+    for (AnchorCommand& command : commands_.TakeDue(now)) {
+      command.ticket = join_.welcome()->ticket;
+      (void)bus_->Send(command);
+    }
+  }
+  if (images_.TakeTimeout(now)) ++statistics_.timeouts;
+  if (now - last_refresh_ > kRefreshInterval) {
+    tracker_.Refresh(tracker_.Pose(0).time);
+    last_refresh_ = now;
+  }
+}
+
+void LiveSession::SendFrame() {
+  RequestNumber request{};
+  std::optional<DeviceFrame> frame;
+  std::optional<LocaliseQuery> query;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!join_.IsConnected()) return;
+    frame = images_.TakeFrame(request);
+    if (!frame) return;
+    query = MakeQuery(*frame, request);
+  }
+  auto image = EncodeJpeg(frame->pixels, frame->width_px, frame->height_px, options_.jpeg_quality);
+  Result<void> sent = image.ok() ? Result<void>() : Result<void>(image.error());
+  if (sent.ok()) {
+    query->image = *std::move(image);
+    sent = bus_->Send(*query);
+  }
+  const std::lock_guard lock(mutex_);
+  if (sent.ok()) {
+    ++statistics_.keyframes_sent;
+    return;
+  }
+  LogWarning("keyframe not sent: {}", ToString(sent.error()));
+  images_.Abandon();
+}
+
+LocaliseQuery LiveSession::MakeQuery(const DeviceFrame& frame, RequestNumber request) const {
+  const Welcome& welcome = *join_.welcome();
+  LocaliseQuery query{.ticket = welcome.ticket,
+                      .request = request,
+                      .time = frame.time,
+                      .camera = frame.camera,
+                      .prior = std::nullopt,
+                      // Odometry knows gravity: its z is up.
+                      .up_in_camera = Eigen::Vector3d(
+                          (frame.vo_from_device * frame.device_from_camera).rotation().conjugate() *
+                          Eigen::Vector3d::UnitZ()),
+                      .image = {}};
+  if (frame.gnss && welcome.map.is_geo_aligned) {
+    query.prior = GeoPrior{.position = *frame.gnss, .sigma_m = frame.gnss_sigma_m};
+  }
+  return query;
+}
+
+Instant LiveSession::NextDeadline() const {
+  Instant next = std::min(join_.NextDeadline(), images_.NextDeadline());
+  if (join_.IsConnected()) next = std::min(next, commands_.NextDeadline());
+  return std::min(next, std::chrono::steady_clock::now() + kRefreshInterval);
+}
+
+// ---- what arrives -----------------------------------------------------------------------------
+
+void LiveSession::On(const Welcome& welcome) {
+  const std::optional<Welcome> before = join_.welcome();
+  switch (join_.On(welcome, std::chrono::steady_clock::now())) {
+    case JoinDesk::Outcome::kIgnored:
+      return;
+    case JoinDesk::Outcome::kRefused:
+      refusal_ = welcome;
+      return;
+    case JoinDesk::Outcome::kJoined:
+      break;
+  }
+  ++statistics_.joins;
+  if (before && (before->map.map != welcome.map.map || before->map.epoch != welcome.map.epoch)) {
+    tracker_.Reset();  // the fixes are in the frame of another release
+  }
+  if (!before || before->run != welcome.run) session_clock_.Clear();
+  view_.StartRun(welcome.run);
+}
+
+void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, SessionNow()); }
+
+void LiveSession::On(const LocaliseAnswer& answer) {
+  const std::optional<ImageDesk::Match> match = images_.TakeMatch(answer.request);
+  if (!match) return;
+  if (!answer.pose || answer.epoch != join_.welcome()->map.epoch) {
+    ++statistics_.refusals;
+    return;
+  }
+  tracker_.AddFix(match->frame, *answer.pose);
+  ++statistics_.fixes;
+  statistics_.fix_latency_ms.push_back(1e3 *
+                                       Seconds(std::chrono::steady_clock::now() - match->pushed));
+}
+
+void LiveSession::On(const CommandReply& reply) {
+  if (!commands_.On(reply)) return;
+  if (reply.outcome == CommandOutcome::kApplied && reply.current) view_.OnOwnChange(*reply.current);
+}
+
+void LiveSession::On(const ClockPong& pong) {
+  join_.OnPong(pong, std::chrono::steady_clock::now());
+  session_clock_.Add({.device_sent = pong.device_sent,
+                      .server_received = pong.received,
+                      .server_sent = pong.sent,
+                      .device_received = clock_()});
+}
+
+}  // namespace waymark::session::internal

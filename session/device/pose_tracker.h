@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "session/device/device_session.h"
+#include "session/state/messages.h"
+
+namespace waymark::session {
+
+/// What was known about an image when it was sent.
+struct SentFrame {
+  RequestNumber request{};
+  DeviceTime time;
+  Transform<Device, Camera> device_from_camera;
+  Transform<Vo, Device> vo_from_device;
+};
+
+/// Keeps a device's odometry joined to the map. Pure; thread-compatible.
+class PoseTracker {
+ public:
+  explicit PoseTracker(const localiser::AlignmentOptions& options) : alignment_(options) {}
+
+  void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time);
+  /// Takes the answer to an image as one more fix.
+  void AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose);
+  /// Forgets all fixes: the odometry or the map has another frame now.
+  void Reset();
+  /// Lets the alignment age; about a millisecond, so not for every frame.
+  void Refresh(DeviceTime now);
+
+  DevicePose Pose(std::uint64_t epoch) const;
+  /// The submaps of the fixes, newest first, at most as many as an anchor takes.
+  std::vector<SubmapId> SeenIn() const;
+
+ private:
+  localiser::OdometryAlignment alignment_;
+  localiser::Alignment current_;
+  std::optional<Transform<Vo, Device>> vo_from_device_;
+  DeviceTime time_;
+};
+
+/// The covariance of b_from_c = b_from_a * a_from_c when only b_from_a is uncertain; both of
+/// Perturb's delta in b. `lever_in_b` is b's rotation times the translation of a_from_c.
+Eigen::Matrix<double, 6, 6> CarryCovariance(const Eigen::Matrix<double, 6, 6>& covariance,
+                                            const Eigen::Vector3d& lever_in_b);
+
+}  // namespace waymark::session
