@@ -2,6 +2,7 @@
 // Damaged files: never a crash, never a wrong record, and `check` finds what reading does not.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <map>
 #include <random>
 
@@ -89,7 +90,8 @@ class Damage : public testing::Test {
   Finding Examine(const std::vector<std::uint8_t>& bytes) {
     const fs::path file = folder_.path() / "damaged.db";
     for (const char* suffix : {"", "-wal", "-shm"}) fs::remove(file.string() + suffix);
-    EXPECT_TRUE(StoreFileAtomically(file, std::span<const std::uint8_t>(bytes)));
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), std::ssize(bytes));
     {
       auto store = OpenSqliteStore(file, {.mode = OpenMode::kExisting});
       if (!store) {
