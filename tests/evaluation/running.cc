@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/evaluation/running.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+
+#include "mapping/base/check.h"
+#include "mapping/base/file.h"
+#include "mapping/base/log.h"
+
+extern char** environ;
+
+namespace waymark::evaluation {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string LastLines(const fs::path& log, std::size_t wanted) {
+  const auto text = LoadTextFile(log);
+  if (!text) return {};
+  std::size_t begin = text->size();
+  for (std::size_t lines = 0; begin > 0 && lines <= wanted; --begin) {
+    if ((*text)[begin - 1] == '\n') ++lines;
+    if (lines > wanted) break;
+  }
+  return text->substr(begin);
+}
+
+Result<pid_t> Start(const fs::path& program, std::vector<std::string> words, const fs::path& log) {
+  words.insert(words.begin(), program.string());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
+                                   O_WRONLY | O_CREAT | O_APPEND, 0644);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t child = 0;
+  const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure == 0) return child;
+  return MakeError(ErrorCode::kUnavailable, "{}: cannot be started: {}", program.string(),
+                   std::strerror(failure));
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder(bool keep) : keep_(keep) {
+  std::string pattern = (fs::temp_directory_path() / "waymark-evaluation-XXXXXX").string();
+  CHECK(mkdtemp(pattern.data()) != nullptr, "{}: {}", pattern, std::strerror(errno));
+  path_ = pattern;
+}
+
+ScratchFolder::~ScratchFolder() {
+  if (keep_) {
+    LogInfo("maps, tables and logs are kept in {}", path_.string());
+    return;
+  }
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+fs::path ExecutableFolder() {
+  std::error_code ignored;
+  return fs::read_symlink("/proc/self/exe", ignored).parent_path();
+}
+
+Result<void> RunProgram(const fs::path& program, const std::vector<std::string>& arguments,
+                        const fs::path& log) {
+  WAYMARK_TRY_ASSIGN(const pid_t child, Start(program, arguments, log));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  const std::string how = WIFEXITED(status) ? fmt::format("status {}", WEXITSTATUS(status))
+                                            : fmt::format("signal {}", WTERMSIG(status));
+  return MakeError(ErrorCode::kUnavailable, "{} {} ended with {}:\n{}", program.filename().string(),
+                   arguments.empty() ? "" : arguments.front(), how, LastLines(log, 8));
+}
+
+}  // namespace waymark::evaluation
