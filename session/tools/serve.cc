@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// waymark-serve: serves a map and its anchors until it is told to end.
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "content_store/anchor_store.h"
+#include "mapping/base/log.h"
+#include "session/server/map_localiser.h"
+#include "session/server/server.h"
+
+namespace waymark::session {
+namespace {
+
+struct Arguments {
+  std::filesystem::path map;
+  std::filesystem::path store;
+  bool only_owners = false;
+  ServerOptions server;
+};
+
+void ParseArguments(CLI::App& app, Arguments& arguments) {
+  app.add_option("--map", arguments.map, "Map folder with a deployed release")->required();
+  app.add_option("--store", arguments.store, "Anchor store; created if absent")->required();
+  app.add_option("--domain", arguments.server.dds_domain, "DDS domain, 0 to 230")
+      ->capture_default_str();
+  app.add_option("--address", arguments.server.address, "Address of the interface to serve on")
+      ->capture_default_str();
+  app.add_option("--tick", arguments.server.tick_hz, "Pose batches per second")
+      ->capture_default_str();
+  app.add_option("--threads", arguments.server.localise.threads, "Images localised at once")
+      ->capture_default_str();
+  app.add_flag("--only-owners", arguments.only_owners,
+               "Anchors may be moved and deleted by their owner alone");
+}
+
+Result<FileLock> LockStore(const std::filesystem::path& store) {
+  const std::filesystem::path lock = store.string() + ".serve.lock";
+  Result<FileLock> acquired = FileLock::Acquire(lock, "waymark-serve");
+  if (acquired.ok() || acquired.error().code != ErrorCode::kConflict) return acquired;
+  return MakeError(ErrorCode::kConflict, "{}: is being served by another waymark-serve",
+                   store.string());
+}
+
+sigset_t EndSignals() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGINT);
+  ::sigaddset(&signals, SIGTERM);
+  return signals;
+}
+
+Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
+  WAYMARK_TRY(arguments.server.Validate());
+  WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
+  WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
+  WAYMARK_TRY_ASSIGN(const FileLock lock, LockStore(arguments.store));
+  WAYMARK_TRY_ASSIGN(auto store, content::OpenSqliteStore(arguments.store));
+  WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
+  WAYMARK_TRY_ASSIGN(const auto server,
+                     Server::Start(arguments.server, {.map = map.description(),
+                                                      .release = release,
+                                                      .store = std::move(store),
+                                                      .localise = MakeLocaliseFunction(
+                                                          localiser, map.description())}));
+  fmt::print("ready pid={} domain={} address={} map={} epoch={} submaps={}\n", ::getpid(),
+             arguments.server.dds_domain, arguments.server.address, map.description().id,
+             release.epoch, release.submaps.size());
+  std::fflush(stdout);
+  int signal = 0;
+  ::sigwait(&end_signals, &signal);
+  fmt::print("ended: {}\n", ToString(server->Stop()));
+  return {};
+}
+
+}  // namespace
+}  // namespace waymark::session
+
+int main(int argc, char** argv) {
+  // Before any thread starts, so that none of them is interrupted and sigwait sees the signals.
+  const sigset_t end_signals = waymark::session::EndSignals();
+  ::pthread_sigmask(SIG_BLOCK, &end_signals, nullptr);
+  CLI::App app{"Serves a map to devices: localisation, presence, poses and anchors.",
+               "waymark-serve"};
+  waymark::session::Arguments arguments;
+  waymark::session::ParseArguments(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  if (arguments.only_owners) {
+    arguments.server.state.rights = waymark::session::AnchorRights::kOwner;
+  }
+  const auto served = waymark::session::Serve(arguments, end_signals);
+  if (served.ok()) return 0;
+  waymark::LogError("{}", waymark::ToString(served.error()));
+  return 1;
+}
