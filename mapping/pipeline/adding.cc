@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "mapping/base/content_hash.h"
+#include "mapping/experience/kapture.h"
+#include "mapping/io/submap_file.h"
+#include "mapping/pipeline/internal/building.h"
+#include "mapping/pipeline/internal/indexing.h"
+#include "mapping/pipeline/internal/options_codec.h"
+#include "mapping/pipeline/internal/releasing.h"
+#include "mapping/pipeline/pipeline.h"
+
+namespace waymark::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+Result<std::vector<Experience>> LoadAll(std::span<const fs::path> folders) {
+  std::vector<Experience> experiences;
+  std::set<ExperienceId> seen;
+  for (const fs::path& folder : folders) {
+    WAYMARK_TRY_ASSIGN(Experience experience, LoadKapture(folder));
+    if (!seen.insert(experience.id).second) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "experience {}: given twice; the folder's name is the experience's id",
+                       experience.id.text());
+    }
+    experiences.push_back(std::move(experience));
+  }
+  if (experiences.empty()) {
+    return MakeError(ErrorCode::kInvalidArgument, "no experience was given");
+  }
+  return experiences;
+}
+
+/// A UUID of the custom version 8, made from what the map is made from.
+std::string NameMap(const Experience& first, std::string_view created_utc) {
+  std::string hash = ContentHash(fmt::format("{} {}", first.id.text(), created_utc));
+  hash[12] = '8';
+  hash[16] = 'a';
+  return fmt::format("{}-{}-{}-{}-{}", hash.substr(0, 8), hash.substr(8, 4), hash.substr(12, 4),
+                     hash.substr(16, 4), hash.substr(20, 12));
+}
+
+Result<MapDirectory> OpenOrCreate(const AddRequest& request,
+                                  std::span<const Experience> experiences) {
+  auto opened = MapDirectory::Open(request.map_folder);
+  if (opened.ok() || opened.error().code != ErrorCode::kNotFound) return opened;
+  MapDescription description{.id = NameMap(experiences.front(), request.created_utc),
+                             .origin = {},
+                             .is_geo_aligned = false,
+                             .options_json = EncodeBuildOptions(request.options)};
+  for (const Experience& experience : experiences) {
+    if (experience.gnss.empty()) continue;
+    description.origin = experience.gnss.front().place;
+    description.is_geo_aligned = true;
+    break;
+  }
+  return MapDirectory::Create(request.map_folder, description);
+}
+
+Result<std::set<SubmapId>> LoadLiveSubmaps(const MapDirectory& map) {
+  std::set<SubmapId> live;
+  WAYMARK_TRY_ASSIGN(const auto epoch, map.LoadCurrentEpoch());
+  if (!epoch) return live;
+  WAYMARK_TRY_ASSIGN(const Release release, map.LoadRelease(*epoch));
+  for (const ReleasedSubmap& submap : release.submaps) live.insert(submap.id);
+  return live;
+}
+
+/// Whether all of an experience's submaps are decided and those accepted are live.
+Result<bool> IsInRelease(const MapDirectory& map, const ExperienceId& id,
+                         const std::set<SubmapId>& live) {
+  const fs::path folder = map.ExperienceFolder(id);
+  WAYMARK_TRY_ASSIGN(const std::optional<Plan> plan, LoadPlan(folder));
+  if (!plan) return false;
+  bool any_accepted = false;
+  for (const std::string& task : plan->tasks) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
+    if (!decision) return false;
+    if (!decision->submap) continue;
+    if (!live.contains(*decision->submap)) return false;
+    any_accepted = true;
+  }
+  return any_accepted;
+}
+
+/// What the map already holds under an experience's name.
+enum class Known { kNo, kUnfinished, kLive };
+
+Result<Known> FindKnown(const MapDirectory& map, const Experience& experience,
+                        const std::set<SubmapId>& live, const Parallelism& parallelism, Run& run) {
+  const auto index = LoadIndex(map.ExperienceFolder(experience.id));
+  if (!index && index.error().code == ErrorCode::kNotFound) return Known::kNo;
+  if (!index) return index.error();
+  WAYMARK_TRY_ASSIGN(const std::string content, HashRecording(experience, parallelism, run));
+  if (content != index->content) {
+    return MakeError(ErrorCode::kConflict,
+                     "experience {}: the map holds one of this name with other content; rename the "
+                     "folder to add it as another experience",
+                     experience.id.text());
+  }
+  WAYMARK_TRY_ASSIGN(const bool is_live, IsInRelease(map, experience.id, live));
+  return is_live ? Known::kLive : Known::kUnfinished;
+}
+
+/// Builds all tasks of a plan, several at once; their number of threads depends on the plan alone.
+Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const ExperienceId& id,
+                                            const Plan& plan, const Parallelism& parallelism,
+                                            Run& run) {
+  const std::size_t threads = parallelism.ThreadCount();
+  const std::size_t workers = std::clamp<std::size_t>(plan.tasks.size(), 1, threads);
+  const Parallelism outer{static_cast<int>(workers)};
+  const Parallelism inner{static_cast<int>(std::max<std::size_t>(1, threads / workers))};
+  std::vector<Result<SubmapReport>> outcomes(plan.tasks.size());
+  StageCounter counter(run, PipelineStage::kSubmaps, id.text(), plan.tasks.size());
+  ParallelFor(plan.tasks.size(), outer, [&](std::size_t i) {
+    outcomes[i] = run.ShouldStop() ? Result<SubmapReport>(Run::Stopped())
+                                   : BuildTask(map, id, plan.tasks[i], inner, run);
+    if (outcomes[i]) counter.Add();
+  });
+  std::vector<SubmapReport> reports;
+  for (auto& outcome : outcomes) {
+    WAYMARK_TRY_ASSIGN(SubmapReport report, std::move(outcome));
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+/// Images of an experience that stand in none of its accepted submaps, with the best reason known.
+Result<std::vector<LeftOutImage>> ListLeftOut(const MapDirectory& map, const ExperienceIndex& index,
+                                              const Plan& plan) {
+  std::vector<LeftOutImage> left_out;
+  for (const UnusableImage& image : index.unusable) {
+    left_out.push_back({index.id, image.name, image.reason});
+  }
+  for (const std::string& name : plan.thinned_out) {
+    left_out.push_back({index.id, name, "its place has more images than one submap takes"});
+  }
+  std::set<std::string> held;
+  std::vector<LeftOutImage> candidates;
+  for (const std::string& task : plan.tasks) {
+    WAYMARK_TRY_ASSIGN(const auto decision, LoadDecision(map.ExperienceFolder(index.id), task));
+    if (!decision) continue;
+    candidates.insert(candidates.end(), decision->left_out.begin(), decision->left_out.end());
+    if (!decision->submap) continue;
+    WAYMARK_TRY_ASSIGN(const SubmapView view,
+                       SubmapView::Open(map.SubmapPath(*decision->submap), false));
+    for (const SubmapImage& image : view.images()) {
+      if (image.experience == index.id) held.insert(image.name);
+    }
+  }
+  std::erase_if(candidates, [&](const LeftOutImage& image) { return held.contains(image.name); });
+  left_out.insert(left_out.end(), candidates.begin(), candidates.end());
+  std::stable_sort(left_out.begin(), left_out.end(),
+                   [](const auto& a, const auto& b) { return a.name < b.name; });
+  return left_out;
+}
+
+/// Takes one experience to decided submaps. Returns those accepted.
+Result<std::set<SubmapId>> AddOne(const MapDirectory& map, const Experience& experience,
+                                  const AddRequest& request, Run& run, AddReport& report) {
+  const Parallelism& parallelism = request.options.parallelism;
+  WAYMARK_TRY_ASSIGN(const ExperienceIndex index,
+                     IndexExperience(experience, TangentPlane(map.description().origin),
+                                     map.ExperienceFolder(experience.id), request.options.features,
+                                     parallelism, run));
+  WAYMARK_TRY_ASSIGN(const Plan plan, PlanExperience(map, index, request.options));
+  std::set<SubmapId> accepted;
+  if (request.until == AddUntil::kPlan) {
+    for (const std::string& task : plan.tasks) {
+      report.submaps.push_back({.task = task, .id = {}, .verdict = "planned"});
+    }
+    return accepted;
+  }
+  WAYMARK_TRY_ASSIGN(std::vector<SubmapReport> built,
+                     BuildPlan(map, experience.id, plan, parallelism, run));
+  for (SubmapReport& submap : built) {
+    if (submap.id) accepted.insert(*submap.id);
+    report.submaps.push_back(std::move(submap));
+  }
+  WAYMARK_TRY_ASSIGN(const auto left_out, ListLeftOut(map, index, plan));
+  report.left_out.insert(report.left_out.end(), left_out.begin(), left_out.end());
+  (accepted.empty() ? report.rejected : report.added).push_back(experience.id);
+  return accepted;
+}
+
+}  // namespace
+
+Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserver& observer) {
+  WAYMARK_TRY(request.options.Validate());
+  WAYMARK_TRY_ASSIGN(const std::vector<Experience> experiences,
+                     LoadAll(request.experience_folders));
+  WAYMARK_TRY_ASSIGN(const MapDirectory map, OpenOrCreate(request, experiences));
+  WAYMARK_TRY_ASSIGN(const FileLock lock, map.LockForWriting());
+  WAYMARK_TRY_ASSIGN(const std::set<SubmapId> live, LoadLiveSubmaps(map));
+
+  Run run(observer);
+  AddReport report;
+  report.is_geo_aligned = map.description().is_geo_aligned;
+  std::set<SubmapId> submaps = live;
+  for (const Experience& experience : experiences) {
+    WAYMARK_TRY_ASSIGN(const Known known,
+                       FindKnown(map, experience, live, request.options.parallelism, run));
+    if (known == Known::kLive) {
+      report.already_in_map.push_back(experience.id);
+      continue;
+    }
+    WAYMARK_TRY_ASSIGN(const std::set<SubmapId> accepted,
+                       AddOne(map, experience, request, run, report));
+    submaps.insert(accepted.begin(), accepted.end());
+  }
+  if (submaps == live) return report;
+
+  FusionOptions fusion = request.options.fusion;
+  fusion.parallelism = request.options.parallelism;
+  WAYMARK_TRY_ASSIGN(NewRelease release,
+                     ReleaseSubmaps(map, submaps, fusion, request.created_utc, run));
+  report.epoch = release.epoch;
+  report.unplaced = std::move(release.unplaced);
+  report.overlap_rms_m = release.overlap_rms_m;
+  report.gnss_rms_m = release.gnss_rms_m;
+  return report;
+}
+
+Result<SubmapReport> BuildSubmap(const fs::path& map_folder, const std::string& task,
+                                 const Parallelism& parallelism, const PipelineObserver& observer) {
+  WAYMARK_TRY_ASSIGN(const MapDirectory map, MapDirectory::Open(map_folder));
+  WAYMARK_TRY_ASSIGN(const std::vector<ExperienceId> planned, ListPlannedExperiences(map));
+  for (const ExperienceId& id : planned) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Plan> plan, LoadPlan(map.ExperienceFolder(id)));
+    if (!plan || std::ranges::find(plan->tasks, task) == plan->tasks.end()) continue;
+    Run run(observer);
+    return BuildTask(map, id, task, parallelism, run);
+  }
+  return MakeError(ErrorCode::kNotFound, "{}: no submap {} is planned", map_folder.string(), task);
+}
+
+}  // namespace waymark::mapping

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "mapping/pipeline/internal/plan.h"
+#include "mapping/store/map_directory.h"
+
+namespace waymark::mapping {
+
+/// Cuts an experience into tasks, borrowing from every other experience that has a plan, and
+/// stores tasks, then plan. A plan made with the same options is kept as it is, so that a run that
+/// resumes finds its tasks again.
+/// Errors: those of SplitExperience and of storage.
+Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& index,
+                            const PipelineOptions& options);
+
+/// nullopt: not planned yet.
+Result<std::optional<Plan>> LoadPlan(const std::filesystem::path& experience_folder);
+
+/// nullopt: not decided yet.
+Result<std::optional<Decision>> LoadDecision(const std::filesystem::path& experience_folder,
+                                             const std::string& task);
+
+/// Ids of all experiences of a map that have a plan, sorted.
+Result<std::vector<ExperienceId>> ListPlannedExperiences(const MapDirectory& map);
+
+}  // namespace waymark::mapping

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/pipeline/internal/options_codec.h"
+
+#include <nlohmann/json.hpp>
+
+#include "mapping/base/content_hash.h"
+
+namespace waymark::mapping {
+namespace {
+
+/// Hands every field to `visit(name, field)`: the one list that encoding, decoding and hashing use.
+template <typename Options, typename Visit>
+void VisitFeatures(Options& o, Visit visit) {
+  visit("features.max_features", o.max_features);
+  visit("features.contrast_threshold", o.contrast_threshold);
+  visit("features.max_image_side_px", o.max_image_side_px);
+}
+
+template <typename Options, typename Visit>
+void VisitSplit(Options& o, Visit visit) {
+  visit("split.max_images", o.max_images);
+  visit("split.radius_m", o.radius_m);
+  visit("split.min_radius_m", o.min_radius_m);
+  visit("split.overlap_m", o.overlap_m);
+  visit("split.min_images", o.min_images);
+  visit("split.max_radius_m", o.max_radius_m);
+  visit("split.neighbour_share", o.neighbour_share);
+  visit("split.foreign_share", o.foreign_share);
+  visit("split.seed", o.seed);
+}
+
+template <typename Options, typename Visit>
+void VisitMatching(Options& o, Visit visit) {
+  visit("pairing.sequential_neighbours", o.pairing.sequential_neighbours);
+  visit("pairing.spatial_neighbours", o.pairing.spatial_neighbours);
+  visit("pairing.spatial_radius_m", o.pairing.spatial_radius_m);
+  visit("pairing.retrieval_neighbours", o.pairing.retrieval_neighbours);
+  visit("pairing.exhaustive_below", o.pairing.exhaustive_below);
+  visit("matching.max_ratio", o.matching.max_ratio);
+  visit("matching.max_angle_rad", o.matching.max_angle_rad);
+  visit("matching.mutual", o.matching.mutual);
+}
+
+template <typename Options, typename Visit>
+void VisitSfm(Options& o, Visit visit) {
+  visit("sfm.max_epipolar_error_px", o.max_epipolar_error_px);
+  visit("sfm.min_pair_inliers", o.min_pair_inliers);
+  visit("sfm.max_reprojection_px", o.max_reprojection_px);
+  visit("sfm.min_triangulation_angle_rad", o.min_triangulation_angle_rad);
+  visit("sfm.refine_intrinsics", o.refine_intrinsics);
+  visit("sfm.gravity_sigma_rad", o.gravity_sigma_rad);
+  visit("sfm.seed", o.seed);
+}
+
+template <typename Options, typename Visit>
+void VisitVerification(Options& o, Visit visit) {
+  visit("verification.min_images", o.min_images);
+  visit("verification.min_registered_share", o.min_registered_share);
+  visit("verification.min_landmarks", o.min_landmarks);
+  visit("verification.max_mean_reprojection_px", o.max_mean_reprojection_px);
+  visit("verification.max_gyroscope_error_rad", o.max_gyroscope_error_rad);
+  visit("verification.max_gyroscope_drift_rad_per_s", o.max_gyroscope_drift_rad_per_s);
+  visit("verification.max_gravity_error_rad", o.max_gravity_error_rad);
+  visit("verification.max_speed_mps", o.max_speed_mps);
+  visit("verification.max_gnss_sigmas", o.max_gnss_sigmas);
+  visit("verification.tolerated_share", o.tolerated_share);
+}
+
+template <typename Options, typename Visit>
+void VisitAll(Options& o, Visit visit) {
+  VisitFeatures(o.features, visit);
+  VisitSplit(o.split, visit);
+  VisitMatching(o, visit);
+  VisitSfm(o.sfm, visit);
+  VisitVerification(o.verification, visit);
+  visit("assembly.min_track", o.assembly.min_track);
+  visit("assembly.enough_landmarks", o.assembly.enough_landmarks);
+  visit("assembly.max_observations", o.assembly.max_observations);
+}
+
+}  // namespace
+
+std::string EncodeBuildOptions(const PipelineOptions& options) {
+  nlohmann::ordered_json json;
+  VisitAll(options, [&](const char* name, const auto& field) { json[name] = field; });
+  return json.dump();
+}
+
+Result<PipelineOptions> DecodeBuildOptions(std::string_view text, std::string_view name) {
+  PipelineOptions options;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(text);
+    VisitAll(options,
+             [&](const char* field_name, auto& field) { json.at(field_name).get_to(field); });
+  } catch (const nlohmann::json::exception& failure) {
+    return MakeError(ErrorCode::kCorrupt, "{}: options: {}", name, failure.what());
+  }
+  WAYMARK_TRY(options.Validate());
+  return options;
+}
+
+std::string HashFeatureOptions(const FeatureOptions& options) {
+  nlohmann::ordered_json json;
+  VisitFeatures(options, [&](const char* name, const auto& field) { json[name] = field; });
+  return ContentHash(std::string_view(json.dump()));
+}
+
+}  // namespace waymark::mapping

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "mapping/base/id.h"
+#include "mapping/base/parallel.h"
+#include "mapping/base/result.h"
+#include "mapping/features/features.h"
+#include "mapping/fusion/fusion.h"
+#include "mapping/matching/candidate_pairs.h"
+#include "mapping/matching/descriptor_matching.h"
+#include "mapping/sfm/incremental.h"
+#include "mapping/split/split.h"
+#include "mapping/submap/assemble.h"
+#include "mapping/submap/verify.h"
+
+namespace waymark::mapping {
+
+/// Every number of the way from experiences to a release, by stage.
+struct PipelineOptions {
+  FeatureOptions features = {};
+  SplitOptions split = {};
+  PairingOptions pairing = {};
+  MatchOptions matching = {};
+  SfmOptions sfm = {};  ///< its parallelism is set by the pipeline
+  VerificationOptions verification = {};
+  AssemblyOptions assembly = {};
+  FusionOptions fusion = {};     ///< its parallelism is set by the pipeline
+  Parallelism parallelism = {};  ///< for everything; never changes what is in a map
+
+  Result<void> Validate() const;
+};
+
+enum class PipelineStage { kFeatures, kMatching, kReconstruction, kSubmaps, kFusion };
+
+/// "features", "matching", …
+std::string_view PipelineStageName(PipelineStage stage);
+
+/// What is being done. `done` counts up to `total` in units of the stage: images, image pairs,
+/// thousandths of a reconstruction, submaps.
+struct PipelineProgress {
+  PipelineStage stage;
+  std::string subject;  ///< experience or submap
+  std::size_t done = 0;
+  std::size_t total = 0;
+};
+
+/// How a caller watches and stops a run. Both are called from several threads, one at a time.
+struct PipelineObserver {
+  std::function<void(const PipelineProgress&)> on_progress = {};
+  /// Asked between images and submaps; true ends the run with Unavailable. What is finished stays.
+  std::function<bool()> should_stop = {};
+};
+
+/// An image that is not in the map, and why.
+struct LeftOutImage {
+  ExperienceId experience;
+  std::string name;
+  std::string reason;
+};
+
+/// What became of one subset.
+struct SubmapReport {
+  std::string task;               ///< for `waymark-map build-submap`
+  std::optional<SubmapId> id;     ///< absent: rejected
+  bool was_built_before = false;  ///< by an earlier run
+  std::string verdict;
+  int images = 0;  ///< registered, borrowed ones included
+  int landmarks = 0;
+};
+
+struct AddReport {
+  std::vector<ExperienceId> added;
+  std::vector<ExperienceId> already_in_map;  ///< with the same content; left alone
+  std::vector<ExperienceId> rejected;        ///< none of their submaps was accepted
+  std::vector<SubmapReport> submaps;         ///< of the experiences that are not in the map already
+  std::vector<LeftOutImage> left_out;        ///< images of theirs that no accepted submap holds
+  std::vector<SubmapId> unplaced;            ///< accepted, but fusion knows no place for them
+  std::optional<std::uint64_t> epoch;        ///< absent: there is no new release
+  double overlap_rms_m = 0;                  ///< over the release's submaps that share images
+  double gnss_rms_m = 0;
+  bool is_geo_aligned = true;
+};
+
+/// How far to go: `kPlan` ends after planning, for schedulers that build submaps elsewhere.
+enum class AddUntil { kPlan, kRelease };
+
+struct AddRequest {
+  std::filesystem::path map_folder;
+  std::vector<std::filesystem::path> experience_folders;
+  PipelineOptions options = {};
+  AddUntil until = AddUntil::kRelease;
+  std::string created_utc;  ///< ISO 8601, of the release
+};
+
+/// Adds experiences to a map, creating it when it is absent, and deploys a new release of all old
+/// and new submaps. Everything finished is durable: a run that was killed continues where it was
+/// and repeats no finished image and no finished submap. An experience that is in the map with the
+/// same content is left alone.
+/// Errors: those of LoadKapture and MapDirectory; InvalidArgument (options, no or equal folders);
+/// Conflict (an experience of this name with other content, another writer); Corrupt when no
+/// image of an experience is usable; Unavailable when stopped by the observer. Experiences that
+/// cannot be reconstructed are a value: `AddReport::rejected`.
+Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserver& observer = {});
+
+/// Builds one planned submap and stores it with its decision; does nothing when that is done.
+/// Needs no lock: any number of processes may build different or equal submaps of one map.
+/// Errors: NotFound (no such map or task), those of the stages.
+Result<SubmapReport> BuildSubmap(const std::filesystem::path& map_folder, const std::string& task,
+                                 const Parallelism& parallelism,
+                                 const PipelineObserver& observer = {});
+
+}  // namespace waymark::mapping

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/pipeline/internal/planning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "mapping/base/content_hash.h"
+#include "mapping/base/file.h"
+#include "mapping/experience/names.h"
+#include "mapping/pipeline/internal/options_codec.h"
+
+namespace waymark::mapping {
+namespace {
+
+namespace fs = std::filesystem;
+
+double RoundTo(double value, double step) { return std::round(value / step) * step; }
+
+/// About a decimetre: a submap's origin is a name for its frame, not a measurement.
+GeoPoint Rounded(const GeoPoint& place) {
+  return {Angle::Degrees(RoundTo(place.latitude.degrees(), 1e-6)),
+          Angle::Degrees(RoundTo(place.longitude.degrees(), 1e-6)),
+          RoundTo(place.ellipsoid_height_m, 0.1)};
+}
+
+std::optional<Point<Map>> PositionOf(const IndexedImage& image, const MapDirectory& map,
+                                     const TangentPlane& plane) {
+  if (!image.gnss || !map.description().is_geo_aligned) return std::nullopt;
+  return plane.ToMap(*image.gnss);
+}
+
+/// Images of other experiences, flat, with their indexes.
+struct Neighbourhood {
+  std::vector<ExperienceIndex> experiences;
+  std::vector<ForeignImage> images;
+  std::vector<const IndexedImage*> indexed;  ///< of each of `images`
+};
+
+Result<Neighbourhood> LoadNeighbourhood(const MapDirectory& map, const TangentPlane& plane,
+                                        const ExperienceId& except) {
+  Neighbourhood found;
+  WAYMARK_TRY_ASSIGN(const std::vector<ExperienceId> planned, ListPlannedExperiences(map));
+  for (const ExperienceId& id : planned) {
+    if (id == except) continue;
+    WAYMARK_TRY_ASSIGN(ExperienceIndex index, LoadIndex(map.ExperienceFolder(id)));
+    found.experiences.push_back(std::move(index));
+  }
+  for (std::size_t e = 0; e < found.experiences.size(); ++e) {
+    for (const IndexedImage& image : found.experiences[e].images) {
+      found.images.push_back({static_cast<std::uint32_t>(e), PositionOf(image, map, plane)});
+      found.indexed.push_back(&image);
+    }
+  }
+  return found;
+}
+
+GeoPoint ChooseOrigin(const MapDirectory& map, const TangentPlane& plane, const ImageSubset& subset,
+                      std::span<const SplitImage> images) {
+  if (!subset.centre) return map.description().origin;
+  double height_m = 0;
+  int count = 0;
+  for (const std::uint32_t i : subset.owned) {
+    if (!images[i].position) continue;
+    height_m += images[i].position->coordinates().z();
+    ++count;
+  }
+  const Eigen::Vector3d& centre = subset.centre->coordinates();
+  return Rounded(plane.ToGeo(Point<Map>(centre.x(), centre.y(), count > 0 ? height_m / count : 0)));
+}
+
+SubmapTask MakeTask(const ExperienceIndex& index, const ImageSubset& subset,
+                    const Neighbourhood& neighbourhood, const GeoPoint& origin,
+                    const PipelineOptions& options) {
+  SubmapTask task{.experience = index.id,
+                  .origin = origin,
+                  .options = options,
+                  .contents = {{index.id, index.content}},
+                  .images = {}};
+  std::vector<std::pair<std::uint32_t, bool>> own;
+  for (const std::uint32_t i : subset.owned) own.emplace_back(i, false);
+  for (const std::uint32_t i : subset.neighbour) own.emplace_back(i, true);
+  std::sort(own.begin(), own.end());
+  for (const auto& [i, is_borrowed] : own) {
+    task.images.push_back({index.id, index.images[i].name, is_borrowed});
+  }
+  for (const std::uint32_t i : subset.foreign) {
+    const ExperienceIndex& lender = neighbourhood.experiences[neighbourhood.images[i].experience];
+    task.contents.emplace(lender.id, lender.content);
+    task.images.push_back({lender.id, neighbourhood.indexed[i]->name, true});
+  }
+  return task;
+}
+
+}  // namespace
+
+Result<std::optional<Plan>> LoadPlan(const fs::path& experience_folder) {
+  const fs::path path = PlanPath(experience_folder);
+  const auto text = LoadTextFile(path);
+  if (!text && text.error().code == ErrorCode::kNotFound) return std::optional<Plan>();
+  if (!text) return text.error();
+  WAYMARK_TRY_ASSIGN(Plan plan, DecodePlan(*text, path.string()));
+  return std::optional<Plan>(std::move(plan));
+}
+
+Result<std::optional<Decision>> LoadDecision(const fs::path& experience_folder,
+                                             const std::string& task) {
+  const fs::path path = DecisionPath(experience_folder, task);
+  const auto text = LoadTextFile(path);
+  if (!text && text.error().code == ErrorCode::kNotFound) return std::optional<Decision>();
+  if (!text) return text.error();
+  WAYMARK_TRY_ASSIGN(Decision decision, DecodeDecision(*text, path.string()));
+  return std::optional<Decision>(std::move(decision));
+}
+
+Result<std::vector<ExperienceId>> ListPlannedExperiences(const MapDirectory& map) {
+  std::vector<ExperienceId> ids;
+  std::error_code failure;
+  const fs::path folder = map.folder() / "experiences";
+  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
+       entry.increment(failure)) {
+    const std::string name = entry->path().filename().string();
+    if (IsExperienceIdText(name) && fs::exists(PlanPath(entry->path()))) ids.emplace_back(name);
+  }
+  if (failure && failure != std::errc::no_such_file_or_directory) {
+    return MakeError(ErrorCode::kUnavailable, "{}: {}", folder.string(), failure.message());
+  }
+  std::sort(ids.begin(), ids.end());
+  return ids;
+}
+
+Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& index,
+                            const PipelineOptions& options) {
+  const fs::path folder = map.ExperienceFolder(index.id);
+  const std::string options_hash =
+      ContentHash(std::string_view(index.content + EncodeBuildOptions(options)));
+  WAYMARK_TRY_ASSIGN(std::optional<Plan> existing, LoadPlan(folder));
+  if (existing && existing->options == options_hash) return *std::move(existing);
+
+  const TangentPlane plane(map.description().origin);
+  WAYMARK_TRY_ASSIGN(const Neighbourhood neighbourhood, LoadNeighbourhood(map, plane, index.id));
+  std::vector<SplitImage> images;
+  for (const IndexedImage& image : index.images) {
+    images.push_back({image.time, PositionOf(image, map, plane)});
+  }
+  WAYMARK_TRY_ASSIGN(const Split split,
+                     SplitExperience(images, neighbourhood.images, options.split));
+
+  Plan plan{.options = options_hash, .tasks = {}, .thinned_out = {}};
+  for (const std::uint32_t i : split.thinned_out) plan.thinned_out.push_back(index.images[i].name);
+  WAYMARK_TRY(CreateFolders(folder / "tasks"));
+  for (const ImageSubset& subset : split.subsets) {
+    const std::string task = EncodeTask(
+        MakeTask(index, subset, neighbourhood, ChooseOrigin(map, plane, subset, images), options));
+    plan.tasks.push_back(ContentHash(std::string_view(task)));
+    WAYMARK_TRY(StoreFileAtomically(TaskPath(folder, plan.tasks.back()), std::string_view(task)));
+  }
+  WAYMARK_TRY(StoreFileAtomically(PlanPath(folder), std::string_view(EncodePlan(plan))));
+  return plan;
+}
+
+}  // namespace waymark::mapping

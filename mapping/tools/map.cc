@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "mapping/tools/map_commands.h"
+
+int main(int argc, char** argv) {
+  using namespace waymark::mapping;
+  CLI::App app("Builds maps from recordings of cameras, GNSS and IMU, and looks after them.");
+  app.name("waymark-map");
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  waymark-map import photos PHOTOS --out street   phone photos become an experience\n"
+      "  waymark-map add MAP street drive1 drive2        makes MAP, or adds to it\n"
+      "  waymark-map info MAP                            what is in it, what was refused and why\n"
+      "  waymark-map export MAP --format colmap --out model\n"
+      "  waymark-map rollback MAP                        the release before is live again\n"
+      "`waymark-map COMMAND --help` explains one command.\n"
+      "Exit status: 0 done, 1 nothing entered the map, 64 wrong usage, 65 wrong data, 66 an input\n"
+      "is missing, 69 disk or solver failed, 73 another writer or name clash, 130 interrupted.");
+  int exit_code = kDone;
+  RegisterAdd(app, exit_code);
+  RegisterBuildSubmap(app, exit_code);
+  RegisterInfo(app, exit_code);
+  RegisterReleases(app, exit_code);
+  RegisterImport(app, exit_code);
+  RegisterExport(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? static_cast<int>(kDone) : static_cast<int>(kBadUsage);
+  }
+  return exit_code;
+}

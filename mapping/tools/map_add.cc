@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mapping/pipeline/pipeline.h"
+#include "mapping/tools/interruption.h"
+#include "mapping/tools/map_commands.h"
+#include "mapping/tools/progress_display.h"
+
+namespace waymark::mapping {
+namespace {
+
+struct AddArguments {
+  std::string map;
+  std::vector<std::string> experiences;
+  double subset_radius_m = SplitOptions{}.radius_m;
+  int max_images = SplitOptions{}.max_images;
+  int max_features = FeatureOptions{}.max_features;
+  int threads = 0;
+  std::uint64_t seed = 1;
+  bool plan_only = false;
+  bool quiet = false;
+};
+
+AddRequest MakeRequest(const AddArguments& arguments) {
+  AddRequest request{.map_folder = arguments.map,
+                     .experience_folders = {},
+                     .until = arguments.plan_only ? AddUntil::kPlan : AddUntil::kRelease,
+                     .created_utc = UtcNow()};
+  for (const std::string& folder : arguments.experiences) {
+    request.experience_folders.emplace_back(folder);
+  }
+  PipelineOptions& options = request.options;
+  options.features.max_features = arguments.max_features;
+  SplitOptions& split = options.split;
+  split.max_images = arguments.max_images;
+  split.radius_m = arguments.subset_radius_m;
+  // Smaller circles than usual keep their proportions; larger ones keep the usual overlap.
+  const double shrink = std::min(1.0, split.radius_m / SplitOptions{}.radius_m);
+  split.min_radius_m *= shrink;
+  split.overlap_m *= shrink;
+  split.max_radius_m = std::max(split.max_radius_m, split.radius_m);
+  if (shrink < 1) split.min_images = std::min(split.min_images, 10);
+  split.seed = arguments.seed;
+  options.sfm.seed = arguments.seed;
+  options.parallelism.threads = arguments.threads;
+  return request;
+}
+
+void PrintSubmaps(const AddReport& report) {
+  for (const SubmapReport& submap : report.submaps) {
+    fmt::print("submap {}{}: {}{}\n", submap.task.substr(0, 8),
+               submap.id ? fmt::format(" = {}", submap.id->text()) : std::string(), submap.verdict,
+               submap.was_built_before ? " (built before)" : "");
+  }
+}
+
+void PrintLeftOut(const AddReport& report) {
+  if (report.left_out.empty()) return;
+  fmt::print("left out: {} images\n", report.left_out.size());
+  for (const LeftOutImage& image : report.left_out) {
+    fmt::print("  {}/{}: {}\n", image.experience.text(), image.name, image.reason);
+  }
+}
+
+int PrintReport(const AddReport& report, bool plan_only) {
+  PrintSubmaps(report);
+  PrintLeftOut(report);
+  for (const ExperienceId& id : report.already_in_map) {
+    fmt::print("{}: is in the map already, with the same content\n", id.text());
+  }
+  for (const ExperienceId& id : report.rejected) {
+    fmt::print("{}: no submap of it was accepted\n", id.text());
+  }
+  for (const SubmapId& id : report.unplaced) {
+    fmt::print(
+        "submap {}: not in the release; without GNSS it needs images that it shares with "
+        "the map\n",
+        id.text());
+  }
+  if (!report.epoch) {
+    if (!plan_only && !report.rejected.empty()) fmt::print("the map is as it was\n");
+    return report.rejected.empty() ? kDone : kNothingAccepted;
+  }
+  fmt::print("epoch {} is live{}; shared images agree to {:.3f} m rms", *report.epoch,
+             report.is_geo_aligned ? "" : " in a local frame, because there was no GNSS",
+             report.overlap_rms_m);
+  if (report.gnss_rms_m > 0) fmt::print(", GNSS to {:.2f} m rms", report.gnss_rms_m);
+  fmt::print("\n");
+  return report.added.empty() ? kNothingAccepted : kDone;
+}
+
+int Add(const AddArguments& arguments) {
+  CatchInterruption();
+  Result<AddReport> report;
+  {
+    ProgressDisplay display;
+    PipelineObserver observer{.should_stop = WasInterrupted};
+    if (!arguments.quiet) {
+      observer.on_progress = [&](const PipelineProgress& progress) { display.Show(progress); };
+    }
+    report = AddExperiences(MakeRequest(arguments), observer);
+  }
+  if (!report) return Finish(report.error());
+  return PrintReport(*report, arguments.plan_only);
+}
+
+}  // namespace
+
+void RegisterAdd(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<AddArguments>();
+  CLI::App* add = app.add_subcommand("add", "Adds experiences to a map and makes a new release");
+  add->footer(
+      "Examples:\n"
+      "  waymark-map add city drive1 drive2\n"
+      "  waymark-map add city drive1 --subset-radius 15     smaller submaps\n"
+      "  waymark-map add city drive1 --plan-only            for a cluster: build each submap with\n"
+      "      `waymark-map build-submap city ID`, then run `waymark-map add city drive1` again\n"
+      "An experience is a kapture 1.1 folder; its name is its id. Interrupt or kill at any moment\n"
+      "and run again: no finished image and no finished submap is repeated.");
+  add->add_option("MAP", arguments->map, "the map directory; made when it is not there")
+      ->required();
+  add->add_option("EXPERIENCE", arguments->experiences, "kapture folders")->required();
+  add->add_option("--subset-radius", arguments->subset_radius_m, "of a submap, metres")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 10000.0));
+  add->add_option("--max-images", arguments->max_images, "of a submap; more are thinned out")
+      ->capture_default_str()
+      ->check(CLI::Range(4, 100000));
+  add->add_option("--max-features", arguments->max_features, "of an image, strongest first")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  add->add_option("--threads", arguments->threads, "0: all cores")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 1024));
+  add->add_option("--seed", arguments->seed, "of everything random")->capture_default_str();
+  add->add_flag("--plan-only", arguments->plan_only, "end after planning; prints the submaps' ids");
+  add->add_flag("--quiet", arguments->quiet, "no progress");
+  add->callback([arguments, &exit_code] { exit_code = Add(*arguments); });
+}
+
+}  // namespace waymark::mapping
