@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "mapping/base/log.h"
+
 namespace waymark::mapping::internal {
 namespace {
 
@@ -129,7 +131,8 @@ std::vector<std::uint32_t> Neighbours(const Model& model, std::uint32_t image, s
 }  // namespace
 
 Result<BundleSummary> AdjustGlobally(Model& model, const GaugeState& gauge,
-                                     const SfmOptions& options, int max_iterations) {
+                                     const SfmOptions& options, int max_iterations,
+                                     double relative_tolerance) {
   BundleBuilder builder(model, gauge, options, Scope::kGlobal);
   for (std::size_t i = 0; i < model.registered().size(); ++i) {
     builder.AddImage(model.registered()[i], gauge.gauge == Gauge::kFree && i == 0);
@@ -139,8 +142,12 @@ Result<BundleSummary> AdjustGlobally(Model& model, const GaugeState& gauge,
   }
   BundleOptions bundle_options = MakeBundleOptions(options);
   bundle_options.max_iterations = max_iterations;
+  bundle_options.relative_tolerance = relative_tolerance;
   WAYMARK_TRY_ASSIGN(const BundleSummary summary, builder.Adjust(bundle_options));
   builder.WriteBack(model);
+  LogDebug("adjusted {} images, {} points: cost {:.1f} to {:.1f} in {} iterations{}",
+           model.registered().size(), model.point_count(), summary.initial_cost, summary.final_cost,
+           summary.iterations, summary.converged ? "" : ", not converged");
   return summary;
 }
 

@@ -10,7 +10,8 @@ namespace waymark::mapping::internal {
 
 /// Adjusts all poses, points and intrinsics by cost (1), with the priors that the gauge allows.
 Result<BundleSummary> AdjustGlobally(Model& model, const GaugeState& gauge,
-                                     const SfmOptions& options, int max_iterations);
+                                     const SfmOptions& options, int max_iterations,
+                                     double relative_tolerance);
 
 /// Adjusts an image, those that share most points with it, and the points it sees; everything
 /// else holds still. Returns the tracks that took part.

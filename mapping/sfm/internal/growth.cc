@@ -62,8 +62,9 @@ class Growth {
 
   Result<void> Adjust() {
     constexpr int kIterations = 15;
+    constexpr double kTolerance = 1e-4;  // of the cost; more will come anyway
     gauge_ = UpdateGauge(model_, gauge_, options_);
-    WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations));
+    WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations, kTolerance));
     FilterAllTracks(model_, options_);
     ExtendAllTracks(model_, options_);
     adjusted_images_ = model_.registered().size();
@@ -74,13 +75,14 @@ class Growth {
   // Until adjusting, filtering and extending no longer change what is observed.
   Result<void> Finish() {
     constexpr int kRounds = 5;
-    constexpr int kIterations = 50;
+    constexpr int kIterations = 30;
+    constexpr double kTolerance = 1e-6;
     constexpr double kStableShare = 0.0005;
     for (int round = 0; round < kRounds; ++round) {
       if (progress_) progress_("final adjustment", static_cast<double>(round) / kRounds);
-      gauge_ = UpdateGauge(model_, gauge_, options_);
+      if (gauge_.gauge != Gauge::kGeographic) gauge_ = UpdateGauge(model_, gauge_, options_);
       const std::size_t added = ExtendAllTracks(model_, options_);
-      WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations));
+      WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations, kTolerance));
       const std::size_t removed = FilterAllTracks(model_, options_);
       DropWeakImages();
       const auto all = static_cast<double>(CountObservations(model_));

@@ -44,7 +44,7 @@ bool StartFromPair(Model& model, const VerifiedPair& pair, const SfmOptions& opt
   const auto tracks = model.TracksOf(pair.images.first);
   ExtendTracks(model, tracks, options);
   const bool adjusted =
-      model.point_count() >= min_points && AdjustGlobally(model, {}, options, 30).ok();
+      model.point_count() >= min_points && AdjustGlobally(model, {}, options, 30, 1e-5).ok();
   if (adjusted) FilterTracks(model, tracks, options);
   if (adjusted && model.point_count() >= min_points) return true;
   model.Unregister(pair.images.first);
