@@ -8,6 +8,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
+
 namespace waymark::session::dds {
 namespace {
 
@@ -51,6 +54,36 @@ Result<in_addr> FindLocalAddress(in_addr peer, int port) {
                      AddressText(peer));
   }
   return address.sin_addr;
+}
+
+/// Whether a UDP socket could be bound there; errno says why not.
+bool CanBind(in_addr address, int port) {
+  const int descriptor = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (descriptor < 0) return false;
+  sockaddr_in wanted{};
+  wanted.sin_family = AF_INET;
+  wanted.sin_addr = address;
+  wanted.sin_port = htons(static_cast<std::uint16_t>(port));
+  const bool is_bound =
+      ::bind(descriptor, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) == 0;
+  const int reason = errno;
+  ::close(descriptor);
+  errno = reason;
+  return is_bound;
+}
+
+/// What DDS would only report as a general failure.
+Result<void> CheckServerAddress(const ParticipantOptions& options, in_addr address) {
+  if (!CanBind(address, 0)) {
+    return MakeError(ErrorCode::kInvalidArgument, "address {}: is not one of this machine: {}",
+                     options.server, std::strerror(errno));
+  }
+  const in_addr any{.s_addr = htonl(INADDR_ANY)};  // as DDS binds
+  const int port = ServerPort(options.domain);
+  if (CanBind(any, port) && CanBind(any, port + 1)) return {};
+  return MakeError(ErrorCode::kConflict,
+                   "DDS domain {}: UDP ports {} and {} are taken; is another server running there?",
+                   options.domain, port, port + 1);
 }
 
 // Measured choices. No multicast: discovery stays linear in the number of devices. One receive
@@ -109,19 +142,14 @@ Result<Participant> Participant::Create(const ParticipantOptions& options) {
   WAYMARK_TRY(options.Validate());
   WAYMARK_TRY_ASSIGN(const in_addr server, ResolveHost(options.server));
   in_addr interface = server;
-  if (options.role == ParticipantOptions::Role::kClient) {
+  if (options.role == ParticipantOptions::Role::kServer) {
+    WAYMARK_TRY(CheckServerAddress(options, server));
+  } else {
     WAYMARK_TRY_ASSIGN(interface, FindLocalAddress(server, ServerPort(options.domain)));
   }
   const std::string xml = ConfigurationXml(options, AddressText(interface), AddressText(server));
   WAYMARK_TRY_ASSIGN(auto domain, CreateDomain(xml, options.domain));
   const dds_entity_t handle = dds_create_participant(domain.second, nullptr, nullptr);
-  if (handle < 0 && options.role == ParticipantOptions::Role::kServer) {
-    return MakeError(
-        ErrorCode::kConflict,
-        "DDS domain {}: UDP ports {} and {} of {} are taken; is another server running "
-        "there?",
-        options.domain, ServerPort(options.domain), ServerPort(options.domain) + 1, options.server);
-  }
   WAYMARK_TRY_ASSIGN(Entity participant,
                      Entity::Adopt(handle, fmt::format("DDS domain {}", options.domain)));
   return Participant(std::move(domain.first), std::move(participant));

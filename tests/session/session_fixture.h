@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "content_store/anchor_store.h"
+#include "mapping/geometry/geodesy.h"
+#include "session/device/device_session.h"
+#include "session/server/server.h"
+
+namespace waymark::session::support {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+/// Waits until the condition holds; false when it does not within a generous time.
+inline bool Eventually(const std::function<bool()>& condition, seconds patience = seconds(60)) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(milliseconds(5));
+  }
+  return true;
+}
+
+inline GeoPoint MapOrigin() {
+  return {.latitude = Angle::Degrees(52.5),
+          .longitude = Angle::Degrees(13.4),
+          .ellipsoid_height_m = 80};
+}
+
+inline const SubmapId kSubmap{"00112233445566778899aabbccddeeff"};
+
+inline mapping::Release MakeRelease(std::uint64_t epoch = 1) {
+  mapping::Release release;
+  release.epoch = epoch;
+  release.submaps.push_back(
+      {.id = kSubmap,
+       .map_from_submap = Similarity<Map, Submap>(
+           Sim3(1.01, Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())),
+                {5.0 * static_cast<double>(epoch), -2, 1})),
+       .centre = Point<Map>(0, 0, 0),
+       .radius_m = 100,
+       .displacement = std::nullopt});
+  return release;
+}
+
+/// The camera looks along the device's x; both axes of the device are level when it is.
+inline Transform<Device, Camera> DeviceFromCamera() {
+  Eigen::Matrix3d rotation;
+  rotation << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return {Eigen::Quaterniond(rotation), {0.1, 0, 0.05}};
+}
+
+/// A localiser that believes the prior and that the device faces east.
+inline LocaliseFunction BelievePrior(const mapping::Release& release) {
+  return [release, plane = TangentPlane(MapOrigin())](
+             const LocaliseQuery& query) -> Result<localiser::Localisation> {
+    localiser::Localisation answer;
+    answer.epoch = release.epoch;
+    answer.reason = "no prior";
+    if (!query.prior) return answer;
+    const Transform<Map, Device> map_from_device(Eigen::Quaterniond::Identity(),
+                                                 plane.ToMap(query.prior->position).coordinates());
+    const Transform<Map, Camera> map_from_camera = map_from_device * DeviceFromCamera();
+    answer.status = localiser::LocalisationStatus::kLocalised;
+    answer.reason = "";
+    answer.pose = localiser::LocalisedPose{
+        .map_from_camera = map_from_camera,
+        .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+        .submap = kSubmap,
+        .submap_from_camera =
+            CarryPose(release.submaps.front().map_from_submap.Inverse(), map_from_camera),
+        .inliers = 100,
+        .rms_px = 0.5};
+    return answer;
+  };
+}
+
+/// A server on loopback with a store that outlives it, on a DDS domain of this process's own.
+class SessionTest : public testing::Test {
+ protected:
+  SessionTest()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("waymark_session_" + std::to_string(::getpid()))) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~SessionTest() override {
+    server_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  std::filesystem::path StorePath() const { return folder_ / "anchors.db"; }
+
+  ServerParts MakeParts(const mapping::Release& release = MakeRelease()) const {
+    auto store = content::OpenSqliteStore(StorePath());
+    EXPECT_TRUE(store.ok());
+    return {.map = {.id = "3f2504e0-4f89-41d3-9a0c-0305e82c3301",
+                    .origin = MapOrigin(),
+                    .options_json = "{}"},
+            .release = release,
+            .store = *std::move(store),
+            .localise = BelievePrior(release)};
+  }
+
+  /// Starts a server; the first time on a domain whose ports are free.
+  void StartServer(const mapping::Release& release = MakeRelease()) {
+    constexpr int kDomains = 230;
+    for (int attempt = 0; attempt < kDomains && server_ == nullptr; ++attempt) {
+      if (domain_ < 0)
+        options_.dds_domain = (static_cast<int>(::getpid()) + 37 * attempt) % kDomains;
+      auto server = Server::Start(options_, MakeParts(release));
+      if (server.ok()) {
+        server_ = *std::move(server);
+        domain_ = options_.dds_domain;
+      } else {
+        ASSERT_EQ(server.error().code, ErrorCode::kConflict) << ToString(server.error());
+        // After a stop the ports are free at once; before the first start another domain is tried.
+        ASSERT_LT(domain_, 0) << ToString(server.error());
+      }
+    }
+    ASSERT_NE(server_, nullptr);
+  }
+  ServerCounters StopServer() {
+    const ServerCounters counters = server_->Stop();
+    server_.reset();
+    return counters;
+  }
+
+  DeviceOptions MakeDeviceOptions(const std::string& name,
+                                  const std::string& room = "square") const {
+    return {.dds_domain = domain_,
+            .room = RoomId(room),
+            .name = name,
+            .keyframe_interval = std::chrono::duration<double>(0.02),
+            .request_timeout = seconds(30),
+            .transmit_loss_per_mille = device_loss_per_mille_};
+  }
+
+  std::unique_ptr<DeviceSession> Join(const DeviceOptions& options) const {
+    auto session = DeviceSession::Join(options);
+    EXPECT_TRUE(session.ok()) << ToString(session.error());
+    return session.ok() ? *std::move(session) : nullptr;
+  }
+  std::unique_ptr<DeviceSession> Join(const std::string& name) const {
+    return Join(MakeDeviceOptions(name));
+  }
+
+  std::filesystem::path folder_;
+  ServerOptions options_;
+  int domain_ = -1;
+  int device_loss_per_mille_ = 0;
+  std::unique_ptr<Server> server_;
+};
+
+/// A phone that stands somewhere and faces east. Its odometry started 1 m north of the map's
+/// origin.
+class StandingPhone {
+ public:
+  StandingPhone(DeviceSession& session, const Eigen::Vector3d& position_in_map)
+      : session_(session), position_in_map_(position_in_map) {}
+
+  void MoveTo(const Eigen::Vector3d& position_in_map) { position_in_map_ = position_in_map; }
+
+  Transform<Vo, Device> VoFromDevice() const {
+    return {Eigen::Quaterniond::Identity(), position_in_map_ - Eigen::Vector3d(0, 1, 0)};
+  }
+
+  static DeviceTime Now() {
+    return DeviceTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
+        std::chrono::steady_clock::now().time_since_epoch()));
+  }
+
+  /// One moment of its life: odometry and a frame.
+  void Live() {
+    const DeviceTime now = Now();
+    session_.PushOdometry(VoFromDevice(), now);
+    EXPECT_TRUE(session_.PushFrame(MakeFrame(now)).ok());
+  }
+
+  /// Lives until it is well localised.
+  bool Localise() {
+    return Eventually([this] {
+      Live();
+      return session_.Pose().state == localiser::AlignmentState::kFixed;
+    });
+  }
+
+ private:
+  DeviceFrame MakeFrame(DeviceTime time) const {
+    constexpr int kWidth = 64, kHeight = 48;
+    const std::array<double, 3> parameters{60, 32, 24};
+    DeviceFrame frame{
+        .width_px = kWidth,
+        .height_px = kHeight,
+        .pixels = std::vector<std::uint8_t>(kWidth * kHeight, 128),
+        .camera = *CameraModel::Create(CameraKind::kSimplePinhole, kWidth, kHeight, parameters),
+        .device_from_camera = DeviceFromCamera(),
+        .vo_from_device = VoFromDevice(),
+        .time = time};
+    frame.gnss = TangentPlane(MapOrigin()).ToGeo(Point<Map>(position_in_map_));
+    return frame;
+  }
+
+  DeviceSession& session_;
+  Eigen::Vector3d position_in_map_;
+};
+
+inline std::optional<OtherDevice> FindOther(const DeviceSession& session, const DeviceId& id) {
+  for (const OtherDevice& other : session.Others()) {
+    if (other.id == id) return other;
+  }
+  return std::nullopt;
+}
+
+inline bool Sees(const DeviceSession& session, const DeviceId& id) {
+  const auto other = FindOther(session, id);
+  return other && other->is_present;
+}
+
+inline std::optional<SharedAnchor> FindAnchor(const DeviceSession& session, const AnchorId& id) {
+  for (const SharedAnchor& anchor : session.Anchors()) {
+    if (anchor.id == id) return anchor;
+  }
+  return std::nullopt;
+}
+
+}  // namespace waymark::session::support
