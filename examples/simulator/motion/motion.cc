@@ -50,7 +50,10 @@ Vector3d Motion::AngularVelocityInBody(double time_s) const {
 Eigen::Quaterniond Motion::WorldFromBodyRotation(double time_s) const {
   const Vector3d velocity = path_.At(time_s).velocity;
   const Eigen::Vector2d gaze = gaze_.At(time_s).value;
-  double yaw = std::atan2(velocity.y(), velocity.x()) + gaze[0];
+  constexpr double kAtRest = 1e-6;  // m/s; slower has no direction
+  const double heading =
+      velocity.head<2>().norm() > kAtRest ? std::atan2(velocity.y(), velocity.x()) : 0;
+  double yaw = heading + gaze[0];
   double pitch = gaze[1];
   double roll = 0;
   for (const Sway& sway : sways_) {

@@ -21,8 +21,8 @@ struct Sway {
 };
 
 /// A smooth motion of a body (x forward, y left, z up) through the world: it follows a spline,
-/// looks along it plus a gaze, and sways. What inertial sensors measure follows from its
-/// derivatives. Immutable, thread-safe.
+/// looks along it (east while at rest) plus a gaze, and sways. What inertial sensors measure
+/// follows from its derivatives. Immutable, thread-safe.
 class Motion {
  public:
   /// `gaze` is (yaw, pitch) in radians against the direction of travel, left and up positive.

@@ -49,7 +49,7 @@ CubicSpline<2> LookAround(double duration_s, double side, Random& random) {
   std::vector<Vector2d> controls;
   const int count = static_cast<int>(std::ceil(duration_s / kInterval)) + 5;
   for (int i = 0; i < count; ++i) {
-    const double yaw = random.Chance(0.2) ? random.Uniform(-5, 25) : random.Uniform(30, 100);
+    const double yaw = random.Chance(0.15) ? random.Uniform(0, 30) : random.Uniform(50, 105);
     controls.emplace_back(Angle::Degrees(side * yaw).radians(),
                           Angle::Degrees(random.Uniform(-2, 12)).radians());
   }
@@ -109,7 +109,7 @@ Travel MakeWalk(const City& city, const DriveOptions& drive, const WalkOptions& 
   const double degree = Angle::Degrees(1).radians();
   const double step_hz = random.Uniform(1.6, 1.9);
   const auto phase = [&] { return random.Uniform(0, 6.28); };
-  std::vector<Sway> sways{{step_hz, phase(), {0, 0, 0.022}, 0, 0.5 * degree, 0},
+  std::vector<Sway> sways{{step_hz, phase(), {0, 0, 0.015}, 0, 0.5 * degree, 0},
                           {step_hz / 2, phase(), {0.015, 0.015, 0}, 0.9 * degree, 0, 0.8 * degree},
                           {0.23, phase(), {0, 0, 0}, 1.5 * degree, 0.8 * degree, 1.2 * degree}};
   CubicSpline<3> path = FollowRoute(route, start_m, options.speed_mps, options.duration_s,

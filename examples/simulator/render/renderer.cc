@@ -25,10 +25,55 @@ Vector3d MeetPlane(const Vector3d& eye, const Vector3d& ray, const Vector3d& nor
   return distance > 0 ? Vector3d(eye + distance * ray) : fallback;
 }
 
-/// Display values carry gamma 2.2, so light multiplies them by its 2.2th root.
-float Display(float linear) { return std::pow(std::max(linear, 0.0F), 1 / 2.2F); }
+/// Display values carry gamma 2.2, so light multiplies them by its 2.2th root. Tabulated over [0,
+/// 2], more than any preset shines.
+float Display(float linear) {
+  constexpr int kSteps = 4096;
+  static const auto table = [] {
+    std::array<float, kSteps + 1> roots{};
+    for (int i = 0; i <= kSteps; ++i) {
+      roots[static_cast<std::size_t>(i)] =
+          std::pow(2 * static_cast<float>(i) / static_cast<float>(kSteps), 1 / 2.2F);
+    }
+    return roots;
+  }();
+  const float position = std::clamp(linear, 0.0F, 2.0F) * (kSteps / 2);
+  return table[static_cast<std::size_t>(position + 0.5F)];
+}
 
 }  // namespace
+
+/// One sample per pixel, before edges are smoothed.
+class Renderer::Raster {
+ public:
+  Raster(int width, int height)
+      : width_(width),
+        height_(height),
+        shades_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+
+  std::size_t size() const { return shades_.size(); }
+  Shade& At(int column, int row) {
+    return shades_[static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+                   static_cast<std::size_t>(column)];
+  }
+  /// Whether a surface or shadow ends here in a way that can be seen.
+  bool IsEdge(int column, int row) {
+    const Shade& own = At(column, row);
+    const auto ends_at = [&](const Shade& other) {
+      constexpr float kVisible = 30;  // levels, summed over channels
+      return other.surface != own.surface && (other.colour - own.colour).lpNorm<1>() > kVisible;
+    };
+    return (column > 0 && ends_at(At(column - 1, row))) ||
+           (column + 1 < width_ && ends_at(At(column + 1, row))) ||
+           (row > 0 && ends_at(At(column, row - 1))) ||
+           (row + 1 < height_ && ends_at(At(column, row + 1)));
+  }
+
+ private:
+  int width_;
+  int height_;
+  std::vector<Shade> shades_;
+};
 
 ViewRays::ViewRays(const CameraModel& camera)
     : width_px_(camera.width_px()), height_px_(camera.height_px()) {
@@ -125,49 +170,34 @@ Radiance Renderer::Render(const ViewRays& rays, const Rigid3& world_from_camera,
   const int height = rays.height_px();
   const Eigen::Matrix3d turn = world_from_camera.rotation().toRotationMatrix();
   const Vector3d& eye = world_from_camera.translation();
-  const auto pixel = [&](int column, int row) {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(column);
-  };
-  const auto beam_at = [&](int column, int row) {
-    return Beam{turn * rays.At(column, row), turn * rays.At(column + 1, row),
-                turn * rays.At(column, row + 1)};
-  };
-  Radiance image{width, height, std::vector<float>(3 * pixel(0, height))};
-  std::vector<std::uint32_t> surfaces(pixel(0, height));
-  const auto put = [&](std::size_t at, const Vector3f& colour) {
-    for (int c = 0; c < 3; ++c) image.values[3 * at + static_cast<std::size_t>(c)] = colour[c];
-  };
+  Raster raster(width, height);
   for (int row = 0; row < height; ++row) {
+    Vector3d next = turn * rays.At(0, row);
     for (int column = 0; column < width; ++column) {
-      const Shade shade = Trace(eye, beam_at(column, row));
-      surfaces[pixel(column, row)] = shade.surface;
-      put(pixel(column, row), shade.colour);
+      const Vector3d ray = next;
+      next = turn * rays.At(column + 1, row);
+      raster.At(column, row) = Trace(eye, {ray, next, turn * rays.At(column, row + 1)});
     }
   }
-  if (antialiasing == Antialiasing::kNone) return image;
-  const auto is_edge = [&](int column, int row) {
-    const std::uint32_t own = surfaces[pixel(column, row)];
-    return (column > 0 && surfaces[pixel(column - 1, row)] != own) ||
-           (column + 1 < width && surfaces[pixel(column + 1, row)] != own) ||
-           (row > 0 && surfaces[pixel(column, row - 1)] != own) ||
-           (row + 1 < height && surfaces[pixel(column, row + 1)] != own);
-  };
-  constexpr std::array<std::array<double, 2>, 4> kOffsets{
-      // a rotated grid
+  constexpr std::array<std::array<double, 2>, 4> kRotatedGrid{
       {{-0.375, -0.125}, {0.125, -0.375}, {0.375, 0.125}, {-0.125, 0.375}}};
+  Radiance image{width, height, {}};
+  image.values.reserve(3 * raster.size());
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
-      if (antialiasing == Antialiasing::kEdges && !is_edge(column, row)) continue;
-      const Beam whole = beam_at(column, row);
-      const Vector3d right = whole.right - whole.ray;
-      const Vector3d below = whole.below - whole.ray;
-      Vector3f sum = Vector3f::Zero();
-      for (const auto& [x, y] : kOffsets) {
-        const Vector3d ray = whole.ray + x * right + y * below;
-        sum += Trace(eye, {ray, ray + right / 2, ray + below / 2}).colour;
+      Vector3f colour = raster.At(column, row).colour;
+      if (antialiasing == Antialiasing::kFull ||
+          (antialiasing == Antialiasing::kEdges && raster.IsEdge(column, row))) {
+        const Vector3d ray = turn * rays.At(column, row);
+        const Vector3d right = turn * rays.At(column + 1, row) - ray;
+        const Vector3d below = turn * rays.At(column, row + 1) - ray;
+        colour.setZero();
+        for (const auto& [x, y] : kRotatedGrid) {
+          const Vector3d part = ray + x * right + y * below;
+          colour += Trace(eye, {part, part + right / 2, part + below / 2}).colour / 4;
+        }
       }
-      put(pixel(column, row), sum / 4);
+      image.values.insert(image.values.end(), {colour[0], colour[1], colour[2]});
     }
   }
   return image;

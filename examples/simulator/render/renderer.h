@@ -78,6 +78,8 @@ class Renderer {
     std::uint32_t surface;  // with the shadow in its lowest bit: differs where an edge is seen
   };
 
+  class Raster;
+
   Renderer(const City& city, RayScene scene, const Lighting& lighting)
       : city_(&city), scene_(std::move(scene)), lighting_(lighting) {}
 

@@ -10,6 +10,8 @@ namespace waymark::simulator {
 namespace {
 
 constexpr int kMaxTaps = 8;
+/// This near to a level the other one is left out.
+constexpr float kLevelSnap = 0.12F;
 /// A trilinear sample is a little wider than a pixel; this much of a level gives the sharpness
 /// back.
 constexpr float kSharpness = -0.35F;
@@ -43,6 +45,29 @@ Ellipse MakeEllipse(const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
   return {std::sqrt(mean + spread), std::sqrt(std::max(0.0F, mean - spread)), direction};
 }
 
+/// Adds up bilinear samples (four lanes of 16 bits in 1/256 of a level) with weights of 1/256.
+/// Two lanes of 32 bits each hold the sum of up to kMaxTaps samples without overflow.
+class LaneSum {
+ public:
+  void Add(std::uint64_t lanes, std::uint64_t weight) {
+    even_ += (lanes & kEven) * weight;
+    odd_ += ((lanes >> 16) & kEven) * weight;
+  }
+  Colour Mean(int count) const {
+    const float scale = 1 / (65536.0F * static_cast<float>(count));
+    const auto lane = [scale](std::uint64_t sum) {
+      return scale * static_cast<float>(static_cast<std::uint32_t>(sum));
+    };
+    return {lane(even_), lane(odd_), lane(even_ >> 32), lane(odd_ >> 32)};
+  }
+
+ private:
+  static constexpr std::uint64_t kEven = 0x0000ffff0000ffffULL;
+
+  std::uint64_t even_ = 0;
+  std::uint64_t odd_ = 0;
+};
+
 }  // namespace
 
 Texture::Texture(const Canvas& canvas, TextureBorder border) : border_(border) {
@@ -73,14 +98,13 @@ Texture::Texture(const Canvas& canvas, TextureBorder border) : border_(border) {
   }
 }
 
-void Texture::AddBilinear(const Level& level, const Eigen::Vector2f& place, float weight,
-                          Colour& sum) const {
+std::uint64_t Texture::Bilinear(const Level& level, const Eigen::Vector2f& place) const {
   const float x = place.x() * static_cast<float>(level.width) - 0.5F;
   const float y = place.y() * static_cast<float>(level.height) - 0.5F;
-  int x0 = static_cast<int>(std::floor(x));
-  int y0 = static_cast<int>(std::floor(y));
-  const auto fx = static_cast<std::uint32_t>((x - static_cast<float>(x0)) * 256);
-  const auto fy = static_cast<std::uint32_t>((y - static_cast<float>(y0)) * 256);
+  int x0 = static_cast<int>(x + 1) - 1;  // floor, as x > -1
+  int y0 = static_cast<int>(y + 1) - 1;
+  const auto fx = static_cast<std::uint64_t>((x - static_cast<float>(x0)) * 256);
+  const auto fy = static_cast<std::uint64_t>((y - static_cast<float>(y0)) * 256);
   int x1 = x0 + 1;
   int y1 = y0 + 1;
   if (border_ == TextureBorder::kClamp) {
@@ -101,13 +125,8 @@ void Texture::AddBilinear(const Level& level, const Eigen::Vector2f& place, floa
   const std::uint64_t w10 = fx - w11;
   const std::uint64_t w01 = fy - w11;
   const std::uint64_t w00 = 256 - fx - fy + w11;
-  const std::uint64_t lanes = Spread(row0[x0]) * w00 + Spread(row0[x1]) * w10 +
-                              Spread(row1[x0]) * w01 + Spread(row1[x1]) * w11;
-  const float scale = weight / 256;
-  // Spread leaves bytes 0, 1, 2, 3 in lanes 0, 1, 2, 3.
-  for (std::size_t c = 0; c < 4; ++c) {
-    sum[c] += scale * static_cast<float>((lanes >> (16 * c)) & 0xffff);
-  }
+  return Spread(row0[x0]) * w00 + Spread(row0[x1]) * w10 + Spread(row1[x0]) * w01 +
+         Spread(row1[x1]) * w11;
 }
 
 Colour Texture::Sample(const Footprint& footprint) const {
@@ -115,20 +134,19 @@ Colour Texture::Sample(const Footprint& footprint) const {
                              static_cast<float>(levels_[0].height));
   const Ellipse ellipse =
       MakeEllipse(footprint.step_right.cwiseProduct(size), footprint.step_down.cwiseProduct(size));
-  const int taps = std::clamp(
-      static_cast<int>(std::ceil(ellipse.long_axis / std::max(ellipse.short_axis, 1e-3F) - 0.25F)),
-      1, kMaxTaps);
+  const float flatness = ellipse.long_axis / std::max(ellipse.short_axis, 1e-3F);
+  const int taps = std::clamp(static_cast<int>(flatness + 0.4F), 1, kMaxTaps);
   const float width = std::max(ellipse.short_axis, ellipse.long_axis / static_cast<float>(taps));
   const float depth = std::clamp(std::log2(std::max(width, 1e-6F)) + kSharpness, 0.0F,
                                  static_cast<float>(levels_.size() - 1));
-  const auto fine = static_cast<std::size_t>(depth);
+  const auto fine = static_cast<std::size_t>(depth + kLevelSnap);
   const std::size_t coarse = std::min(fine + 1, levels_.size() - 1);
   const float remainder = depth - static_cast<float>(fine);
-  const float coarse_share = remainder < 0.02F ? 0 : remainder;
+  const std::uint64_t coarse_weight =
+      remainder < kLevelSnap ? 0 : static_cast<std::uint64_t>(remainder * 256);
   const Eigen::Vector2f stride =
       (ellipse.long_axis / static_cast<float>(taps)) * ellipse.long_direction.cwiseQuotient(size);
-  Colour sum{};
-  const float weight = 1 / static_cast<float>(taps);
+  LaneSum sum;
   for (int i = 0; i < taps; ++i) {
     Eigen::Vector2f place =
         footprint.centre + (static_cast<float>(i) - static_cast<float>(taps - 1) / 2) * stride;
@@ -137,10 +155,10 @@ Colour Texture::Sample(const Footprint& footprint) const {
     } else {
       place = place.cwiseMax(0).cwiseMin(1);
     }
-    AddBilinear(levels_[fine], place, weight * (1 - coarse_share), sum);
-    if (coarse_share > 0) AddBilinear(levels_[coarse], place, weight * coarse_share, sum);
+    sum.Add(Bilinear(levels_[fine], place), 256 - coarse_weight);
+    if (coarse_weight > 0) sum.Add(Bilinear(levels_[coarse], place), coarse_weight);
   }
-  return sum;
+  return sum.Mean(taps);
 }
 
 }  // namespace waymark::simulator

@@ -40,8 +40,8 @@ class Texture {
     std::vector<Texel> texels;
   };
 
-  void AddBilinear(const Level& level, const Eigen::Vector2f& place, float weight,
-                   Colour& sum) const;
+  /// Four lanes of 16 bits: the channels in order, in 1/256 of a level.
+  std::uint64_t Bilinear(const Level& level, const Eigen::Vector2f& place) const;
 
   TextureBorder border_;
   std::vector<Level> levels_;

@@ -49,8 +49,8 @@ Result<std::vector<MountedCamera>> MakeCarRig(int count, const CameraOptions& op
     double delay_s;
   };
   const std::array<Mount, 4> mounts{{{"front", Angle::Degrees(0), {0.4, 0, 0.05}, 0},
-                                     {"left", Angle::Degrees(70), {0.1, 0.5, 0}, 0.011},
-                                     {"right", Angle::Degrees(-70), {0.1, -0.5, 0}, 0.023},
+                                     {"left", Angle::Degrees(90), {0.1, 0.5, 0}, 0.011},
+                                     {"right", Angle::Degrees(-90), {0.1, -0.5, 0}, 0.023},
                                      {"rear", Angle::Degrees(180), {-0.6, 0, 0.05}, 0.036}}};
   if (count < 1 || count > static_cast<int>(mounts.size())) {
     return MakeError(ErrorCode::kInvalidArgument, "car: expected 1 to {} cameras, found {}",

@@ -179,11 +179,11 @@ Canvas PaintFacade(const FacadePlan& plan, double texels_per_m, Random random) {
   // The share of each scale decides what a feature detector finds: see README, "Realism".
   const float s = static_cast<float>(texels_per_m) / 90;
   std::vector<float> relief = MakeNoise(canvas.width_px(), canvas.height_px(),
-                                        {{std::max(1.0F, 2.2F * s), 0.05F},
-                                         {std::max(1.0F, 4 * s), 0.06F},
-                                         {8 * s, 0.05F},
-                                         {17 * s, 0.045F},
-                                         {37 * s, 0.04F},
+                                        {{std::max(1.0F, 2.2F * s), 0.022F},
+                                         {std::max(1.0F, 4 * s), 0.026F},
+                                         {8 * s, 0.024F},
+                                         {17 * s, 0.03F},
+                                         {37 * s, 0.035F},
                                          {90 * s, 0.05F},
                                          {260 * s, 0.06F}},
                                         random.Bits());

@@ -88,8 +88,8 @@ void WeatherGround(Canvas& canvas, double texels_per_m, Random& random) {
     return std::max(1.0F, static_cast<float>(metres * texels_per_m));
   };
   canvas.Weather(MakeNoise(canvas.width_px(), canvas.height_px(),
-                           {{cell(0.04), 0.07F},
-                            {cell(0.09), 0.06F},
+                           {{cell(0.04), 0.045F},
+                            {cell(0.09), 0.035F},
                             {cell(0.25), 0.04F},
                             {cell(0.8), 0.05F},
                             {cell(3), 0.06F}},

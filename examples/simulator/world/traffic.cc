@@ -26,7 +26,7 @@ void AddCar(const City& city, const Vector3d& place, double yaw_rad, Random& ran
   mesh.AddBox({place + 0.95 * up - 0.2 * forward, {0.52 * length, 1.5, 0.5}, yaw_rad}, dark);
   mesh.AddBox({place + 1.45 * up - 0.2 * forward, {0.44 * length, 1.4, 0.06}, yaw_rad}, paint);
   for (const double along : {-0.3 * length, 0.3 * length}) {
-    for (const double side : {-0.75, 0.75}) {
+    for (const double side : {-0.78, 0.78}) {
       mesh.AddBox({place + along * forward + side * left, {0.62, 0.2, 0.6}, yaw_rad}, dark);
     }
   }
