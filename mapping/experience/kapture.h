@@ -19,7 +19,8 @@ namespace waymark::mapping {
 Result<Experience> LoadKapture(const std::filesystem::path& folder);
 
 /// Writes the text files of an experience as kapture 1.1, replacing those that are there; images
-/// are the caller's. What is stored loads again. Errors: InvalidArgument for text that kapture
+/// are the caller's. What is stored loads again, except rig members that are neither camera nor
+/// have a record: kapture would need their type. Errors: InvalidArgument for text that kapture
 /// cannot spell, values that are not finite and records of unknown sensors; Unavailable.
 Result<void> StoreKapture(const Experience& experience, const std::filesystem::path& folder);
 

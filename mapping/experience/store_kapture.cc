@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
 
 #include "mapping/base/file.h"
@@ -11,6 +13,9 @@
 
 namespace waymark::mapping {
 namespace {
+
+/// Type by sensor id, as kapture names types.
+using SensorTypes = std::map<std::string, std::string_view>;
 
 /// Appends formatted text to a table.
 template <typename... Args>
@@ -40,29 +45,32 @@ Result<void> CheckTime(SensorTime time) {
                    ToNanoseconds(time));
 }
 
+Result<void> CheckPose(const Rigid3& pose, std::string_view device) {
+  if (pose.translation().allFinite() && pose.rotation().coeffs().allFinite()) return {};
+  return MakeError(ErrorCode::kInvalidArgument, "device {}: expected a finite pose", device);
+}
+
 void AppendPose(std::string& table, const Rigid3& pose) {
   const auto& q = pose.rotation();
   const auto& t = pose.translation();
   Append(table, "{}, {}, {}, {}, {}, {}, {}\n", q.w(), q.x(), q.y(), q.z(), t.x(), t.y(), t.z());
 }
 
-Result<void> AppendCamera(std::string& table, const CameraSensor& camera) {
-  WAYMARK_TRY(CheckField(camera.id, "camera id"));
+void AppendCamera(std::string& table, std::string_view id, const CameraSensor& camera) {
   const CameraModel& model = camera.model;
-  Append(table, "{}, , camera, {}, {}, {}", camera.id,
+  Append(table, "{}, , camera, {}, {}, {}", id,
          camera.has_known_focal ? CameraKindName(model.kind()) : "UNKNOWN_CAMERA", model.width_px(),
          model.height_px());
   if (camera.has_known_focal) {
     for (const double parameter : model.parameters()) Append(table, ", {}", parameter);
   }
   table += '\n';
-  return {};
 }
 
 /// Notes a sensor that only its records mention.
 template <typename Record>
 Result<void> CollectSensors(const std::vector<Record>& records, std::string_view type,
-                            std::map<std::string, std::string_view>& types) {
+                            SensorTypes& types) {
   for (const Record& record : records) {
     const auto [entry, is_new] = types.emplace(record.sensor, type);
     if (is_new) WAYMARK_TRY(CheckField(record.sensor, "sensor id"));
@@ -73,41 +81,26 @@ Result<void> CollectSensors(const std::vector<Record>& records, std::string_view
   return {};
 }
 
-/// Sensors that stand in a rig or a trajectory without any record are not declared elsewhere, so
-/// the reader would refuse them.
-Result<void> CheckDevices(const Experience& experience,
-                          const std::map<std::string, std::string_view>& types) {
-  std::map<std::string, std::string_view> devices = types;
-  for (const RigMember& member : experience.rigs) {
-    WAYMARK_TRY(CheckField(member.rig, "rig id"));
-    devices.emplace(member.rig, "rig");
-    if (types.contains(member.sensor)) continue;
-    return MakeError(ErrorCode::kInvalidArgument, "rig {}: expected known sensors, found {}",
-                     member.rig, member.sensor);
-  }
-  for (const TrajectoryRecord& record : experience.trajectory) {
-    if (devices.contains(record.device)) continue;
-    return MakeError(ErrorCode::kInvalidArgument, "trajectory: expected known devices, found {}",
-                     record.device);
-  }
-  return {};
-}
-
-Result<std::string> EncodeSensors(const Experience& experience) {
-  std::string table = NewTable("sensor_id, name, sensor_type, [sensor_params]+");
-  std::map<std::string, std::string_view> types;
+/// The types of all sensors that have a model or a record.
+Result<SensorTypes> FindSensorTypes(const Experience& experience) {
+  SensorTypes types;
   for (const auto& [id, camera] : experience.cameras) {
+    WAYMARK_TRY(CheckField(id, "camera id"));
     types.emplace(id, "camera");
-    WAYMARK_TRY(AppendCamera(table, camera));
   }
   WAYMARK_TRY(CollectSensors(experience.gnss, "gnss", types));
   WAYMARK_TRY(CollectSensors(experience.accelerometer, "accelerometer", types));
   WAYMARK_TRY(CollectSensors(experience.gyroscope, "gyroscope", types));
+  return types;
+}
+
+std::string EncodeSensors(const Experience& experience, const SensorTypes& types) {
+  std::string table = NewTable("sensor_id, name, sensor_type, [sensor_params]+");
+  for (const auto& [id, camera] : experience.cameras) AppendCamera(table, id, camera);
   for (const auto& [id, type] : types) {
     if (type == "camera") continue;
     Append(table, "{}, , {}{}\n", id, type, type == "gnss" ? ", EPSG:4326" : "");
   }
-  WAYMARK_TRY(CheckDevices(experience, types));
   return table;
 }
 
@@ -159,19 +152,42 @@ Result<std::string> EncodeImu(const std::vector<ImuRecord>& records) {
   return table;
 }
 
-std::string EncodeRigs(const Experience& experience) {
+/// The members that can be declared: of a sensor without model or record the type is not known.
+std::vector<RigMember> DeclaredMembers(const Experience& experience, const SensorTypes& types) {
+  std::vector<RigMember> members;
+  std::copy_if(experience.rigs.begin(), experience.rigs.end(), std::back_inserter(members),
+               [&](const RigMember& member) { return types.contains(member.sensor); });
+  return members;
+}
+
+Result<std::string> EncodeRigs(const std::vector<RigMember>& members, const SensorTypes& types) {
   std::string table = NewTable("rig_id, sensor_id, qw, qx, qy, qz, tx, ty, tz");
-  for (const RigMember& member : experience.rigs) {
+  for (const RigMember& member : members) {
+    WAYMARK_TRY(CheckField(member.rig, "rig id"));
+    WAYMARK_TRY(CheckPose(member.sensor_from_rig, member.rig));
+    if (types.contains(member.rig)) {
+      return MakeError(ErrorCode::kInvalidArgument, "rig {}: expected an id that is no sensor's",
+                       member.rig);
+    }
     Append(table, "{}, {}, ", member.rig, member.sensor);
     AppendPose(table, member.sensor_from_rig);
   }
   return table;
 }
 
-Result<std::string> EncodeTrajectory(const Experience& experience) {
+Result<std::string> EncodeTrajectory(const Experience& experience, const SensorTypes& types,
+                                     const std::vector<RigMember>& members) {
+  std::set<std::string> devices;
+  for (const auto& [id, type] : types) devices.insert(id);
+  for (const RigMember& member : members) devices.insert(member.rig);
   std::string table = NewTable("timestamp, device_id, qw, qx, qy, qz, tx, ty, tz");
   for (const TrajectoryRecord& record : experience.trajectory) {
     WAYMARK_TRY(CheckTime(record.time));
+    WAYMARK_TRY(CheckPose(record.device_from_world, record.device));
+    if (!devices.contains(record.device)) {
+      return MakeError(ErrorCode::kInvalidArgument, "trajectory: expected known devices, found {}",
+                       internal::Quoted(record.device));
+    }
     Append(table, "{}, {}, ", ToNanoseconds(record.time), record.device);
     AppendPose(table, record.device_from_world);
   }
@@ -181,12 +197,15 @@ Result<std::string> EncodeTrajectory(const Experience& experience) {
 }  // namespace
 
 Result<void> StoreKapture(const Experience& experience, const std::filesystem::path& folder) {
-  WAYMARK_TRY_ASSIGN(const std::string sensors, EncodeSensors(experience));
+  WAYMARK_TRY_ASSIGN(const SensorTypes types, FindSensorTypes(experience));
+  const std::vector<RigMember> members = DeclaredMembers(experience, types);
+  const std::string sensors = EncodeSensors(experience, types);
+  WAYMARK_TRY_ASSIGN(const std::string rigs, EncodeRigs(members, types));
   WAYMARK_TRY_ASSIGN(const std::string images, EncodeImages(experience));
   WAYMARK_TRY_ASSIGN(const std::string gnss, EncodeGnss(experience));
   WAYMARK_TRY_ASSIGN(const std::string accelerometer, EncodeImu(experience.accelerometer));
   WAYMARK_TRY_ASSIGN(const std::string gyroscope, EncodeImu(experience.gyroscope));
-  WAYMARK_TRY_ASSIGN(const std::string trajectory, EncodeTrajectory(experience));
+  WAYMARK_TRY_ASSIGN(const std::string trajectory, EncodeTrajectory(experience, types, members));
   const auto tables = folder / "sensors";
   WAYMARK_TRY(CreateFolders(tables / "records_data"));
   const auto store = [&](std::string_view name, bool is_needed,
@@ -196,7 +215,7 @@ Result<void> StoreKapture(const Experience& experience, const std::filesystem::p
     std::filesystem::remove(tables / name, ignored);  // of an experience stored here before
     return {};
   };
-  WAYMARK_TRY(store("rigs.txt", !experience.rigs.empty(), EncodeRigs(experience)));
+  WAYMARK_TRY(store("rigs.txt", !members.empty(), rigs));
   WAYMARK_TRY(store("records_camera.txt", true, images));
   WAYMARK_TRY(store("records_gnss.txt", !experience.gnss.empty(), gnss));
   WAYMARK_TRY(store("records_accelerometer.txt", !experience.accelerometer.empty(), accelerometer));

@@ -96,6 +96,18 @@ TEST_F(Kapture, StoringAndLoadingGivesTheSameExperience) {
               support::Near(first.trajectory[0].device_from_world));
 }
 
+TEST_F(Kapture, ARigKeepsOnlyMembersThatRecordedSomething) {
+  Write("rigs.txt",
+        kHeader + "rig0, cam0, 1, 0, 0, 0, 0, 0, 0\nrig0, gyro0, 1, 0, 0, 0, 0, 0, 0\n");
+  auto experience = LoadKapture(folder_).value();
+  ASSERT_EQ(experience.rigs.size(), 2u);
+  experience.gyroscope.clear();
+  ASSERT_TRUE(StoreKapture(experience, folder_));
+  const auto again = LoadKapture(folder_).value();
+  ASSERT_EQ(again.rigs.size(), 1u);
+  EXPECT_EQ(again.rigs[0].sensor, "cam0");
+}
+
 TEST_F(Kapture, StoringOverAnOldExperienceLeavesNothingOfIt) {
   auto experience = LoadKapture(folder_).value();
   experience.gnss.clear();
