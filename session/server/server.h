@@ -19,8 +19,8 @@ struct ServerOptions {
   int dds_domain = 0;                 ///< [0, 230]
   double tick_hz = 30;                ///< pose batches per second, [1, 240]; 30 adds 20 ms at p50
   int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
-  LocalisePoolOptions localise;
-  StateOptions state;
+  LocalisePoolOptions localise = {};
+  StateOptions state = {};
 
   Result<void> Validate() const;
 };

@@ -85,6 +85,16 @@ inline LocaliseFunction BelievePrior(const mapping::Release& release) {
   };
 }
 
+inline ServerParts MakeParts(const mapping::Release& release,
+                             std::unique_ptr<content::AnchorStore> store) {
+  return {.map = {.id = "3f2504e0-4f89-41d3-9a0c-0305e82c3301",
+                  .origin = MapOrigin(),
+                  .options_json = "{}"},
+          .release = release,
+          .store = std::move(store),
+          .localise = BelievePrior(release)};
+}
+
 /// A server on loopback with a store that outlives it, on a DDS domain of this process's own.
 class SessionTest : public testing::Test {
  protected:
@@ -103,12 +113,7 @@ class SessionTest : public testing::Test {
   ServerParts MakeParts(const mapping::Release& release = MakeRelease()) const {
     auto store = content::OpenSqliteStore(StorePath());
     EXPECT_TRUE(store.ok());
-    return {.map = {.id = "3f2504e0-4f89-41d3-9a0c-0305e82c3301",
-                    .origin = MapOrigin(),
-                    .options_json = "{}"},
-            .release = release,
-            .store = *std::move(store),
-            .localise = BelievePrior(release)};
+    return support::MakeParts(release, *std::move(store));
   }
 
   /// Starts a server; the first time on a domain whose ports are free.

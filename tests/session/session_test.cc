@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole sessions over DDS on loopback.
+#include "tests/session/peer.h"
 #include "tests/session/session_fixture.h"
 
 namespace waymark::session {
@@ -209,6 +210,49 @@ TEST_F(Session, LossOnlyDelays) {
       [&] { return ben->Anchors().size() == 19 && !FindAnchor(*ben, placed.front().id); }));
   const auto late = Join("Late");
   EXPECT_TRUE(Eventually([&] { return late->HasSnapshot() && late->Anchors().size() == 19; }));
+}
+
+TEST_F(Session, AKilledDeviceIsGoneWithinTheLease) {
+  StartServer();
+  const auto anna = Join("Anna");
+  support::Peer ben({"device", std::to_string(domain_), "Ben"});
+  const DeviceId ben_id(ben.line());
+  ASSERT_TRUE(Eventually([&] { return Sees(*anna, ben_id); })) << ben.line();
+  ben.Kill();
+  const auto killed = std::chrono::steady_clock::now();
+  EXPECT_TRUE(Eventually([&] { return !Sees(*anna, ben_id); }));
+  RecordProperty("gone_after_ms",
+                 static_cast<int>(1e3 * Seconds(std::chrono::steady_clock::now() - killed)));
+}
+
+TEST_F(Session, AKilledServerLosesNothingThatItAcknowledged) {
+  StartServer();  // finds a free domain
+  StopServer();
+  auto serving = std::make_unique<support::Peer>(
+      std::vector<std::string>{"server", std::to_string(domain_), StorePath().string()});
+  ASSERT_EQ(serving->line(), "serving");
+  const auto anna = Join("Anna");
+  StandingPhone anna_phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(anna_phone.Localise());
+  std::vector<SharedAnchor> acknowledged;
+  std::thread placing([&] {
+    for (int i = 0; i < 200; ++i) {
+      const auto anchor = anna->PlaceAnchor(kAhead, "note", std::to_string(i));
+      if (anchor.ok()) acknowledged.push_back(*anchor);
+    }
+  });
+  EXPECT_TRUE(Eventually([&] { return anna->Anchors().size() > 20; }));
+  serving->Kill();
+  serving = std::make_unique<support::Peer>(
+      std::vector<std::string>{"server", std::to_string(domain_), StorePath().string()});
+  EXPECT_EQ(serving->line(), "serving");
+  placing.join();
+  EXPECT_EQ(acknowledged.size(), 200u) << "a command under way is repeated to the new server";
+
+  const auto late = Join("Late");
+  ASSERT_TRUE(Eventually([&] { return late->HasSnapshot(); }));
+  EXPECT_EQ(late->Anchors().size(), 200u) << "neither lost nor doubled";
+  for (const SharedAnchor& anchor : acknowledged) EXPECT_TRUE(FindAnchor(*late, anchor.id));
 }
 
 TEST_F(Session, AServerThatIsNotThereIsNamed) {
