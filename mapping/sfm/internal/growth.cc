@@ -33,7 +33,7 @@ class Growth {
  private:
   Result<void> RegisterAll() {
     while (const auto image = registrar_.NextImage(model_)) {
-      if (!registrar_.TryRegister(model_, *image)) continue;
+      if (!registrar_.TryRegister(model_, *image, gauge_)) continue;
       ExtendTracks(model_, model_.TracksOf(*image), options_);
       Report();
       if (HasGrown()) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "mapping/base/log.h"
 #include "mapping/estimation/absolute_pose.h"
 
 namespace waymark::mapping::internal {
@@ -12,7 +13,15 @@ namespace {
 // Points are still rough while the model grows, and a pose with this many agreeing points is not
 // chance: accept more error here, bundle adjustment and filtering follow.
 constexpr double kErrorFactor = 2;
-constexpr double kMinInlierShare = 0.15;
+
+// The matches are verified tracks, so most must agree with a right pose. Copies of one object
+// (equal chairs, windows) give a wrong pose a coherent minority. Many matches may be poorer.
+constexpr double kMinShareOfFew = 0.5;
+constexpr double kMinShareOfMany = 0.25;
+constexpr std::size_t kMany = 100;
+
+// A pose with little support that contradicts GNSS by more is not believed.
+constexpr double kMaxGnssSigmas = 5;
 
 // Focal lengths tried for a camera whose focal length is a guess, as shares of the guess.
 constexpr std::array kFocalFactors{1.0, 0.8, 1.25, 0.64, 1.56, 0.5, 2.0};
@@ -36,6 +45,25 @@ Matches VisiblePoints(const Model& model, std::uint32_t image) {
     matches.quality.push_back(static_cast<double>(track.ObservationCount()));
   }
   return matches;
+}
+
+// Why a pose is not believed; empty when it is.
+std::string Doubt(const AbsolutePose& pose, std::size_t match_count, const SfmImage& image,
+                  const GaugeState& gauge) {
+  const std::size_t found = pose.inliers.size();
+  const double share = static_cast<double>(found) / static_cast<double>(match_count);
+  if (share < (found < kMany ? kMinShareOfFew : kMinShareOfMany)) {
+    return fmt::format("no pose: only {} of {} points agree", found, match_count);
+  }
+  if (gauge.gauge == Gauge::kGeographic && image.gnss_in_submap && found < kMany) {
+    const double distance_m =
+        (pose.world_from_camera.translation() - image.gnss_in_submap->coordinates()).norm();
+    if (distance_m > kMaxGnssSigmas * image.gnss_sigma_m) {
+      return fmt::format("no pose: {} of {} points agree, but {:.1f} m from its GNSS position",
+                         found, match_count, distance_m);
+    }
+  }
+  return {};
 }
 
 CameraModel WithScaledFocal(const CameraModel& camera, double factor) {
@@ -65,7 +93,7 @@ std::optional<std::uint32_t> Registrar::NextImage(const Model& model) const {
   return best;
 }
 
-bool Registrar::TryRegister(Model& model, std::uint32_t image) {
+bool Registrar::TryRegister(Model& model, std::uint32_t image, const GaugeState& gauge) {
   const Matches matches = VisiblePoints(model, image);
   const std::uint32_t camera = model.images()[image].camera;
   const bool camera_in_use =
@@ -87,16 +115,19 @@ bool Registrar::TryRegister(Model& model, std::uint32_t image) {
     best = std::move(**pose);
     best_camera = candidate;
   }
-  const std::size_t found = best ? best->inliers.size() : 0;
-  if (!best ||
-      static_cast<double>(found) < kMinInlierShare * static_cast<double>(matches.points.size())) {
-    attempts_[image] = {
-        model.visibility(image).count(),
-        best ? fmt::format("no pose: only {} of {} points agree", found, matches.points.size())
-             : fmt::format("no pose: fewer than {} of {} points agree", options_.min_pair_inliers,
-                           matches.points.size())};
+  std::string doubt;
+  if (!best) {
+    doubt = fmt::format("no pose: fewer than {} of {} points agree", options_.min_pair_inliers,
+                        matches.points.size());
+  } else {
+    doubt = Doubt(*best, matches.points.size(), model.images()[image], gauge);
+  }
+  if (!doubt.empty()) {
+    Reject(model, image, std::move(doubt));
     return false;
   }
+  LogDebug("image {}: {} of {} points agree, rms {:.2f} px", image, best->inliers.size(),
+           matches.points.size(), best->rms_px);
   if (sweep) model.SetCamera(camera, best_camera);
   model.Register(image, best->world_from_camera);
   return true;

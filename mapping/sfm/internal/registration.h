@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapping/sfm/incremental.h"
+#include "mapping/sfm/internal/gauge.h"
 #include "mapping/sfm/internal/model.h"
 
 namespace waymark::mapping::internal {
@@ -20,7 +21,7 @@ class Registrar {
   std::optional<std::uint32_t> NextImage(const Model& model) const;
 
   /// Estimates the image's pose from the points it sees. False: no pose, remembered.
-  bool TryRegister(Model& model, std::uint32_t image);
+  bool TryRegister(Model& model, std::uint32_t image, const GaugeState& gauge);
 
   /// Records that a registered image had to be given up.
   void Reject(const Model& model, std::uint32_t image, std::string reason);
