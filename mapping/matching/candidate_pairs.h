@@ -30,7 +30,7 @@ struct PairingOptions {
   int retrieval_neighbours = 10;   ///< most similar by appearance; 0 switches retrieval off
   int exhaustive_below = 40;       ///< at most this many images: all pairs
   std::uint32_t seed = 1;          ///< of the vocabulary that retrieval trains
-  Parallelism parallelism;         ///< does not change the result
+  Parallelism parallelism = {};    ///< does not change the result
 
   Result<void> Validate() const;
 };
