@@ -136,6 +136,7 @@ Result<void> SimulationOptions::Validate() const {
   WAYMARK_TRY(city.Validate());
   WAYMARK_TRY(car.Validate());
   WAYMARK_TRY(phone.Validate());
+  WAYMARK_TRY(traffic.Validate());
   WAYMARK_TRY(picture.Validate());
   WAYMARK_TRY(origin.Validate());
   if (phones >= 0 && phones <= 1000) return {};
@@ -189,7 +190,8 @@ Result<std::vector<SimulatedRecording>> PlanRecordings(const City& city,
 Result<void> Simulate(const SimulationOptions& options, const fs::path& folder,
                       const Progress& progress) {
   WAYMARK_TRY(options.Validate());
-  if (fs::exists(folder / "truth" / "truth.json")) {
+  std::error_code ignored;  // an unreadable folder fails when it is written to
+  if (fs::exists(folder / "truth" / "truth.json", ignored)) {
     return MakeError(ErrorCode::kConflict, "{}: holds a simulation already", folder.string());
   }
   WAYMARK_TRY_ASSIGN(const City city, BuildCity(options.city));

@@ -51,7 +51,9 @@ void AddCityOptions(CLI::App& city, Arguments& arguments) {
       ->capture_default_str();
   city.add_option("--format", o.picture.format, ".jpg or .png")->capture_default_str();
   city.add_flag("--distorted", arguments.is_distorted, "lenses with distortion on the cars");
-  city.add_option("--threads", o.parallelism.threads, "0: one per core")->capture_default_str();
+  city.add_option("--threads", o.parallelism.threads, "0: one per core")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   city.add_flag("--quick", arguments.is_quick,
                 "a tiny world for tests: coarse textures, 320 x 240, few pictures");
 }

@@ -44,6 +44,16 @@ void AddPerson(const City& city, const Vector3d& place, Random& random, Mesh& me
 
 }  // namespace
 
+Result<void> TrafficOptions::Validate() const {
+  if (parked_share >= 0 && parked_share <= 1 && people_per_100_m >= 0 && people_per_100_m <= 1000) {
+    return {};
+  }
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "traffic: expected a share in [0, 1] and up to 1000 people per 100 m, found {} "
+                   "and {}",
+                   parked_share, people_per_100_m);
+}
+
 Mesh MakeTraffic(const City& city, const TrafficOptions& options, Random random) {
   constexpr double kParkingPlace = 5.6;
   Mesh mesh;
