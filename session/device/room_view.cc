@@ -148,15 +148,16 @@ bool RoomView::Agrees(const Tally& tally) const {
 }
 
 void RoomView::CheckSnapshot() {
-  if (has_snapshot_ || !room_ || room_->run != run_) return;
+  if (!room_ || room_->run != run_) return;
   const bool all_agree = Agrees(of_run_);
   if (!all_agree && !Agrees(of_delivery_)) return;
   has_snapshot_ = true;
+  if (!all_agree) of_run_ = of_delivery_;
+  if (anchors_.size() == of_run_.count) return;
   std::erase_if(anchors_, [&](const auto& entry) {
     const HeldAnchor& held = entry.second;
     return held.run != run_ || (!all_agree && held.delivery != delivery_);
   });
-  of_run_ = all_agree ? of_run_ : of_delivery_;
 }
 
 std::vector<SharedAnchor> RoomView::Anchors() const {
