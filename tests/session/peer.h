@@ -12,29 +12,32 @@
 
 namespace waymark::session::support {
 
-/// A child process that runs session_peer. It ends with this object at the latest; if the test
-/// itself dies, the child's standard input closes and it ends too.
+/// A child process, session_peer unless told otherwise. It ends with this object at the latest; if
+/// the test itself dies, the standard input of session_peer closes and it ends too.
 class Peer {
  public:
-  explicit Peer(const std::vector<std::string>& arguments) {
+  explicit Peer(const std::vector<std::string>& arguments,
+                const std::string& program = SESSION_PEER) {
     int to_child[2], from_child[2];
     if (::pipe2(to_child, O_CLOEXEC) != 0 || ::pipe2(from_child, O_CLOEXEC) != 0) return;
     posix_spawn_file_actions_t actions;
     ::posix_spawn_file_actions_init(&actions);
     ::posix_spawn_file_actions_adddup2(&actions, to_child[0], STDIN_FILENO);
     ::posix_spawn_file_actions_adddup2(&actions, from_child[1], STDOUT_FILENO);
-    std::vector<std::string> words{SESSION_PEER};
+    ::posix_spawn_file_actions_adddup2(&actions, from_child[1], STDERR_FILENO);
+    std::vector<std::string> words{program};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
-    if (::posix_spawn(&pid_, SESSION_PEER, &actions, nullptr, argv.data(), environ) != 0) pid_ = -1;
+    if (::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), environ) != 0)
+      pid_ = -1;
     ::posix_spawn_file_actions_destroy(&actions);
     ::close(to_child[0]);
     ::close(from_child[1]);
     input_ = to_child[1];
     output_ = from_child[0];
-    if (pid_ > 0) ReadLine();
+    if (pid_ > 0) line_ = ReadLine();
   }
   Peer(const Peer&) = delete;
   Peer& operator=(const Peer&) = delete;
@@ -55,12 +58,27 @@ class Peer {
     pid_ = -1;
   }
 
- private:
-  void ReadLine() {
-    char c = 0;
-    while (::read(output_, &c, 1) == 1 && c != '\n') line_.push_back(c);
+  /// Asks it to end; the exit status, or -1 when it ended otherwise.
+  int Terminate() {
+    ::kill(pid_, SIGTERM);
+    return AwaitEnd();
+  }
+  int AwaitEnd() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
+  /// The next line that it printed; empty at the end.
+  std::string ReadLine() {
+    std::string line;
+    char c = 0;
+    while (::read(output_, &c, 1) == 1 && c != '\n') line.push_back(c);
+    return line;
+  }
+
+ private:
   pid_t pid_ = -1;
   int input_ = -1;
   int output_ = -1;
