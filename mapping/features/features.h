@@ -35,10 +35,12 @@ struct ImageFeatures {
   std::vector<Descriptor> descriptors;
 };
 
+/// The defaults are measured: see README.md.
 struct FeatureOptions {
   int max_features = 8192;           ///< strongest kept, [1, 100000]; 8192 is COLMAP's default
-  double contrast_threshold = 0.02;  ///< lower finds more in dull light, (0, 1]
-  int max_image_side_px = 3200;  ///< larger images are reduced first; keypoints stay in full pixels
+  double contrast_threshold = 0.01;  ///< lower finds more in dull light, (0, 1]
+  double smoothing_px = 0.8;     ///< Gaussian against sensor noise and aliasing, [0, 10]; 0: none
+  int max_image_side_px = 2000;  ///< larger images are reduced first; keypoints stay in full pixels
 
   Result<void> Validate() const;
 };

@@ -18,6 +18,13 @@ namespace {
 // which the tests confirm on blobs of known centre.
 constexpr float kCornerFromOpenCv_px = 0.25F;
 
+cv::Mat Smooth(const cv::Mat& image, double sigma_px) {
+  if (sigma_px == 0) return image;
+  cv::Mat smooth;
+  cv::GaussianBlur(image, smooth, cv::Size(), sigma_px);
+  return smooth;
+}
+
 cv::Mat ReduceToSide(const cv::Mat& image, int max_side_px) {
   const int side_px = std::max(image.cols, image.rows);
   if (side_px <= max_side_px) return image;
@@ -87,6 +94,10 @@ Result<void> FeatureOptions::Validate() const {
                      "contrast_threshold: expected a number in (0, 1], found {}",
                      contrast_threshold);
   }
+  if (!(smoothing_px >= 0 && smoothing_px <= 10)) {
+    return MakeError(ErrorCode::kInvalidArgument, "smoothing_px: expected 0 to 10, found {}",
+                     smoothing_px);
+  }
   if (max_image_side_px < 16 || max_image_side_px > 16'384) {
     return MakeError(ErrorCode::kInvalidArgument,
                      "max_image_side_px: expected 16 to 16384, found {}", max_image_side_px);
@@ -107,7 +118,8 @@ Result<ImageFeatures> ExtractFeatures(const GrayImage& image, const FeatureOptio
   try {
     const cv::Mat full(image.height_px, image.width_px, CV_8UC1,
                        const_cast<std::uint8_t*>(image.pixels.data()));  // only read
-    const cv::Mat reduced = ReduceToSide(full, options.max_image_side_px);
+    const cv::Mat reduced =
+        ReduceToSide(Smooth(full, options.smoothing_px), options.max_image_side_px);
     std::vector<cv::KeyPoint> keypoints;
     cv::Mat histograms;
     // With a limit, descriptors are computed only for the keypoints kept and their ties.
