@@ -56,7 +56,8 @@ std::vector<Descriptor> TrainCoarseQuantiser(std::span<const Descriptor> descrip
   const flann::Matrix<float> points(samples.data(), samples.size() / kDimensions, kDimensions);
   flann::Matrix<float> rows(centres.data(), count, kDimensions);
   // Of FLANN's ways to choose first centres only this one and Gonzales's obey the seed.
-  const flann::KMeansIndexParams parameters(kBranching, kIterations, flann::FLANN_CENTERS_KMEANSPP);
+  const int branching = std::min(kBranching, static_cast<int>(std::max<std::size_t>(2, count)));
+  const flann::KMeansIndexParams parameters(branching, kIterations, flann::FLANN_CENTERS_KMEANSPP);
   int found = 0;
   {
     const std::lock_guard lock(random_mutex);

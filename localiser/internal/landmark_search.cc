@@ -2,6 +2,8 @@
 #include "localiser/internal/landmark_search.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -15,9 +17,23 @@ using mapping::Descriptor;
 using mapping::DescriptorAngle;
 using mapping::NearestTwo;
 
-std::int32_t Dot(const Descriptor& a, const Descriptor& b) {
+// A whole scan goes in cells too, so that only the landmark's own cell is ever scanned again.
+constexpr std::size_t kWholeScanCell = 512;
+
+/// A query in 16 bit: with 8-bit ones on both sides the compiler's loop takes twice the time.
+using WideDescriptor = std::array<std::int16_t, std::tuple_size_v<Descriptor>>;
+
+WideDescriptor Widen(const Descriptor& descriptor) {
+  WideDescriptor wide;
+  std::copy(descriptor.begin(), descriptor.end(), wide.begin());
+  return wide;
+}
+
+std::int32_t Dot(const WideDescriptor& query, const Descriptor& entry) {
   std::int32_t sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += std::int32_t{a[i]} * std::int32_t{b[i]};
+  for (std::size_t i = 0; i < entry.size(); ++i) {
+    sum += std::int32_t{query[i]} * std::int16_t{entry[i]};
+  }
   return sum;
 }
 
@@ -38,7 +54,8 @@ LandmarkSearch::LandmarkSearch(std::span<const Descriptor> descriptors,
 }
 
 void LandmarkSearch::CutIntoCells() {
-  for (std::size_t i = 0; i < descriptors_.size(); i += options_.entries_per_cell) {
+  const std::size_t step = options_.entries_per_cell.value_or(kWholeScanCell);
+  for (std::size_t i = 0; i < descriptors_.size(); i += step) {
     cell_begins_.push_back(static_cast<std::uint32_t>(i));
   }
   cell_begins_.push_back(static_cast<std::uint32_t>(descriptors_.size()));
@@ -46,8 +63,9 @@ void LandmarkSearch::CutIntoCells() {
 
 void LandmarkSearch::SortIntoLists(std::span<const Descriptor> descriptors,
                                    std::span<const std::uint32_t> landmarks) {
-  const std::size_t wanted = std::max<std::size_t>(
-      options_.probes, descriptors.size() / std::max<std::size_t>(1, options_.entries_per_cell));
+  const std::size_t per_cell = options_.entries_per_cell.value_or(std::max<std::size_t>(
+      256, static_cast<std::size_t>(2 * std::sqrt(static_cast<double>(descriptors.size())))));
+  const std::size_t wanted = std::max(options_.probes, descriptors.size() / per_cell);
   representatives_ = TrainCoarseQuantiser(descriptors, wanted, options_.seed);
   const std::vector<NearestTwo> nearest = mapping::FindNearestTwo(descriptors, representatives_);
 
@@ -76,14 +94,17 @@ std::vector<std::vector<std::uint32_t>> LandmarkSearch::FeaturesByCell(
     return by_cell;
   }
   const std::size_t probes = std::min(options_.probes, representatives_.size());
-  std::vector<std::pair<std::int32_t, std::uint32_t>> order(representatives_.size());
+  std::vector<std::int64_t> order(representatives_.size());  // most similar first, ties by index
   for (std::uint32_t f = 0; f < features.size(); ++f) {
+    const WideDescriptor feature = Widen(features[f]);
     for (std::uint32_t r = 0; r < representatives_.size(); ++r) {
-      order[r] = {-Dot(features[f], representatives_[r]), r};  // most similar first
+      order[r] = -std::int64_t{Dot(feature, representatives_[r])} * (1LL << 32) + r;
     }
     std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(probes - 1),
                      order.end());
-    for (std::size_t p = 0; p < probes; ++p) by_cell[order[p].second].push_back(f);
+    for (std::size_t p = 0; p < probes; ++p) {
+      by_cell[static_cast<std::uint32_t>(order[p])].push_back(f);  // the lower half
+    }
   }
   return by_cell;
 }
@@ -111,9 +132,10 @@ std::vector<std::vector<LandmarkSearch::Visit>> LandmarkSearch::VisitCells(
 
 std::int32_t LandmarkSearch::BestOfAnother(const Descriptor& feature, std::uint32_t landmark,
                                            std::uint32_t cell) const {
+  const WideDescriptor wide = Widen(feature);
   std::int32_t best = -1;
   for (std::uint32_t e = cell_begins_[cell]; e < cell_begins_[cell + 1]; ++e) {
-    if (landmarks_[e] != landmark) best = std::max(best, Dot(feature, descriptors_[e]));
+    if (landmarks_[e] != landmark) best = std::max(best, Dot(wide, descriptors_[e]));
   }
   return best;
 }

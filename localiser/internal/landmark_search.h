@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -20,9 +21,11 @@ struct LandmarkMatch {
 };
 
 struct LandmarkSearchOptions {
-  std::size_t exhaustive_below = 16384;  ///< smaller sets are scanned whole
-  std::size_t entries_per_cell = 512;    ///< of an inverted list, on average
-  std::size_t probes = 8;                ///< lists visited per feature
+  std::size_t exhaustive_below = 8192;  ///< smaller sets are scanned whole
+  /// Of an inverted list, on average; absent: twice the square root of the set's size, at least
+  /// 256, which balances ranking the lists with scanning them.
+  std::optional<std::size_t> entries_per_cell = std::nullopt;
+  std::size_t probes = 12;  ///< lists visited per feature
   double max_ratio = 0.85;
   double max_angle_rad = 0.7;
   std::uint64_t seed = 1;

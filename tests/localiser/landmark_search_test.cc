@@ -59,8 +59,8 @@ class LandmarkSearchTest : public testing::Test {
     features_ = photo.descriptors;
   }
 
-  RandomPlace place_{{.landmarks = 1500}, 5};
-  Database database_ = MakeDatabase(1500, 5);
+  RandomPlace place_{{.landmarks = 900}, 5};
+  Database database_ = MakeDatabase(900, 5);
   std::vector<mapping::Descriptor> features_;
 };
 
@@ -68,7 +68,7 @@ TEST_F(LandmarkSearchTest, WholeScanIsTheRatioTestAgainstAnotherLandmarkByDefini
   const LandmarkSearchOptions options{.entries_per_cell = 100};
   const LandmarkSearch search(database_.descriptors, database_.landmarks, options);
   const auto expected = MatchByDefinition(database_, features_, options);
-  EXPECT_GT(expected.size(), 200u);
+  EXPECT_GT(expected.size(), 100u);
   EXPECT_EQ(search.Match(features_), expected);
 }
 
@@ -104,7 +104,7 @@ TEST_F(LandmarkSearchTest, TwoLandmarksThatLookTheSameMatchNothing) {
   Database doubled = database_;
   for (std::size_t i = 0; i < database_.descriptors.size(); ++i) {
     doubled.descriptors.push_back(database_.descriptors[i]);
-    doubled.landmarks.push_back(database_.landmarks[i] + 1500);
+    doubled.landmarks.push_back(database_.landmarks[i] + 900);
   }
   const LandmarkSearch search(doubled.descriptors, doubled.landmarks, {});
   EXPECT_TRUE(search.Match(features_).empty());
