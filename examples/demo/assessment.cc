@@ -52,14 +52,20 @@ AnchorView ViewOf(const WalkedPhone& phone, const std::string& anchor_id) {
   return view;
 }
 
-void MeasureSpread(AnchorFigures& figures) {
-  std::optional<Eigen::Vector3d> owners;
+const AnchorView* FindView(const AnchorFigures& figures, const std::string& phone) {
   for (const auto& view : figures.views) {
-    if (view.phone == figures.owner) owners = view.shown_in_world;
+    if (view.phone == phone && view.shown_in_world) return &view;
   }
+  return nullptr;
+}
+
+void MeasureSpread(AnchorFigures& figures) {
+  const AnchorView* owner = FindView(figures, figures.owner);
   for (auto& a : figures.views) {
     if (!a.shown_in_world) continue;
-    if (owners) a.from_placed_cm = 100 * (*a.shown_in_world - *owners).norm();
+    if (owner != nullptr) {
+      a.from_placed_cm = 100 * (*a.shown_in_world - *owner->shown_in_world).norm();
+    }
     for (const auto& b : figures.views) {
       if (!b.shown_in_world) continue;
       figures.spread_cm =

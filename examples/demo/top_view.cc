@@ -78,7 +78,7 @@ Sheet MakeSheet(const MapPicture& map, const MapAlignment& alignment,
   for (const auto& phone : phones) {
     for (const auto& [name, pose] : phone.truth) box.extend(pose.translation().head<2>().eval());
   }
-  const Eigen::Vector2d street = Eigen::Vector2d::Constant(18);
+  const Eigen::Vector2d street = Eigen::Vector2d::Constant(8);
   return {box.min() - street, box.max() + street};
 }
 
