@@ -25,7 +25,8 @@ struct TwoViewOptions {
   double max_error_px = 4;
   int min_inliers = 15;
   double confidence = 0.9999;
-  int max_iterations = 2000;
+  int max_iterations =
+      500;  ///< finds 4 in 10 inliers surely, 3 in 10 mostly; a hopeless pair costs them all
   std::uint64_t seed = 1;
 
   Result<void> Validate() const;
