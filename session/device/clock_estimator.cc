@@ -29,6 +29,16 @@ std::optional<ServerTime> ClockEstimator::ToSession(DeviceTime instant) const {
   return ServerTime(instant.time_since_epoch() + best->offset);
 }
 
+void StampClock::Observe(DeviceTime stamp, DeviceTime steady_now) {
+  constexpr std::chrono::seconds kJump{2};  // more is no delay: the stamps' clock was set or paused
+  const std::chrono::nanoseconds difference = steady_now - stamp;
+  if (!offset_ || difference < *offset_ || difference - *offset_ > kJump) offset_ = difference;
+}
+
+DeviceTime StampClock::ToSteady(DeviceTime stamp) const {
+  return stamp + offset_.value_or(std::chrono::nanoseconds::zero());
+}
+
 std::optional<std::chrono::nanoseconds> ClockEstimator::Delay() const {
   const Sample* const best = Best();
   if (best == nullptr) return std::nullopt;

@@ -44,4 +44,18 @@ class ClockEstimator {
   std::deque<Sample> samples_;  // oldest first
 };
 
+/// How far this machine's steady clock is ahead of the clock that an application stamps its data
+/// with, from the moments when data is handed over: the least difference counts, because delays
+/// only add to it. So the error is the least delay from stamp to hand-over. Thread-compatible.
+class StampClock {
+ public:
+  /// Data stamped so was handed over now.
+  void Observe(DeviceTime stamp, DeviceTime steady_now);
+  /// The stamp on the steady clock; as it is before the first observation.
+  DeviceTime ToSteady(DeviceTime stamp) const;
+
+ private:
+  std::optional<std::chrono::nanoseconds> offset_;
+};
+
 }  // namespace waymark::session

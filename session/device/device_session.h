@@ -13,11 +13,21 @@
 #include "mapping/base/id.h"
 #include "mapping/base/result.h"
 #include "mapping/base/time.h"
+#include "mapping/geometry/angle.h"
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
 
 namespace waymark::session {
+
+/// How the shown pose follows a new estimate: by a bounded rate, so that content never jumps.
+struct CorrectionOptions {
+  double max_speed_mps = 0.5;                ///< > 0
+  Angle max_turn_per_s = Angle::Degrees(5);  ///< > 0
+  double max_offset_m = 5;  ///< beyond it the pose jumps: it was wrong by so much, > 0
+
+  Result<void> Validate() const;
+};
 
 struct DeviceOptions {
   std::string server = "127.0.0.1";  ///< host or address of waymark-serve
@@ -31,8 +41,10 @@ struct DeviceOptions {
   /// A UUID to join as, for example the one of an earlier session, whose anchors are then ours;
   /// absent: a new one.
   std::optional<DeviceId> id = std::nullopt;
-  /// The clock that frames and odometry are stamped with; absent: std::chrono::steady_clock.
+  /// Reads the clock that frames and odometry are stamped with; absent: its offset is deduced from
+  /// when odometry is handed over, to within the least delay of that.
   std::function<DeviceTime()> clock = nullptr;
+  CorrectionOptions correction = {};
   int transmit_loss_per_mille = 0;  ///< own packets thrown away, [0, 999]; for tests of bad links
 
   Result<void> Validate() const;
@@ -55,7 +67,8 @@ struct DeviceFrame {
 struct DevicePose {
   localiser::AlignmentState state = localiser::AlignmentState::kNever;
   std::optional<Transform<Map, Device>> map_from_device;  ///< absent while never localised
-  Eigen::Matrix<double, 6, 6> covariance;
+  /// Of Perturb's delta in the map frame; holds also what of a correction is still to come.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   std::uint64_t epoch = 0;
   DeviceTime time;
 };

@@ -13,11 +13,6 @@ constexpr std::size_t kMaxWaitingMessages = 65'536;  // a room's whole snapshot 
 constexpr std::size_t kMaxWaitingBytes = 256 * 1024 * 1024;
 constexpr std::chrono::seconds kRefreshInterval{1};
 
-DeviceTime SteadyNow() {
-  return DeviceTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::steady_clock::now().time_since_epoch()));
-}
-
 std::uint64_t RandomBits() {
   std::random_device device;
   return std::uint64_t{device()} << 32 | device();
@@ -33,12 +28,11 @@ std::size_t WeightOf(const wire::Downward& message) {
 LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
                          std::uint32_t first_attempt)
     : options_(options),
-      clock_(options.clock ? options.clock : SteadyNow),
       id_(id),
       inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
       join_(first_attempt),
       images_(options.keyframe_interval, options.request_timeout),
-      tracker_(options.alignment),
+      tracker_(options.alignment, options.correction),
       view_(id) {}
 
 Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& options) {
@@ -98,7 +92,7 @@ void LiveSession::SendWhatIsDue() {
   if (join_.TakePingDue(now)) {
     (void)bus_->Send(ClockPing{.ticket = join_.welcome()->ticket,
                                .sequence_number = next_ping_number_++,
-                               .sent = clock_()});
+                               .sent = ClockNow()});
   }
   if (join_.IsConnected()) {
     for (AnchorCommand& command : commands_.TakeDue(now)) {
@@ -209,7 +203,7 @@ void LiveSession::On(const ClockPong& pong) {
   session_clock_.Add({.device_sent = pong.device_sent,
                       .server_received = pong.received,
                       .server_sent = pong.sent,
-                      .device_received = clock_()});
+                      .device_received = ClockNow()});
 }
 
 }  // namespace waymark::session::internal

@@ -19,8 +19,31 @@ Eigen::Matrix<double, 6, 6> CarryCovariance(const Eigen::Matrix<double, 6, 6>& c
 }
 
 void PoseTracker::PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) {
+  const auto elapsed = vo_from_device_ ? time - time_ : std::chrono::nanoseconds::zero();
   vo_from_device_ = vo_from_device;
   time_ = time;
+  Correct(std::max(elapsed, std::chrono::nanoseconds::zero()));
+}
+
+// It is the device's pose that is moved at a bounded rate: a turn about the odometry's origin would
+// sweep a device far from it across the street.
+void PoseTracker::Correct(std::chrono::duration<double> elapsed) {
+  if (!current_.map_from_vo || !vo_from_device_) return;
+  if (!shown_map_from_vo_) shown_map_from_vo_ = current_.map_from_vo;
+  const Rigid3 shown = (*shown_map_from_vo_ * *vo_from_device_).rigid();
+  const Rigid3 wanted = (*current_.map_from_vo * *vo_from_device_).rigid();
+  const double offset_m = (wanted.translation() - shown.translation()).norm();
+  const double turn_rad = AngleBetween(wanted.rotation(), shown.rotation()).radians();
+  const double step_m = correction_.max_speed_mps * elapsed.count();
+  const double step_rad = correction_.max_turn_per_s.radians() * elapsed.count();
+  if (offset_m > correction_.max_offset_m || (offset_m <= step_m && turn_rad <= step_rad)) {
+    shown_map_from_vo_ = current_.map_from_vo;
+    return;
+  }
+  const double fraction = std::min(offset_m > step_m ? step_m / offset_m : 1,
+                                   turn_rad > step_rad ? step_rad / turn_rad : 1);
+  shown_map_from_vo_ =
+      Transform<Map, Device>(Interpolate(shown, wanted, fraction)) * vo_from_device_->Inverse();
 }
 
 void PoseTracker::AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose) {
@@ -39,6 +62,7 @@ void PoseTracker::AddFix(const SentFrame& frame, const localiser::LocalisedPose&
 void PoseTracker::Reset() {
   alignment_.ResetOdometry();
   current_ = {};
+  shown_map_from_vo_.reset();
 }
 
 void PoseTracker::Refresh(DeviceTime now) { current_ = alignment_.Estimate(now); }
@@ -51,9 +75,13 @@ DevicePose PoseTracker::Pose(std::uint64_t epoch) const {
                   .time = time_};
   if (!current_.map_from_vo || !vo_from_device_) return pose;
   const Transform<Map, Vo>& map_from_vo = *current_.map_from_vo;
-  pose.map_from_device = map_from_vo * *vo_from_device_;
-  pose.covariance =
-      CarryCovariance(current_.covariance, map_from_vo.rotation() * vo_from_device_->translation());
+  const Transform<Map, Device> wanted = map_from_vo * *vo_from_device_;
+  pose.map_from_device = shown_map_from_vo_.value_or(map_from_vo) * *vo_from_device_;
+  const Eigen::Matrix<double, 6, 1> to_come =
+      Difference(pose.map_from_device->rigid(), wanted.rigid());
+  pose.covariance = CarryCovariance(current_.covariance,
+                                    map_from_vo.rotation() * vo_from_device_->translation()) +
+                    to_come * to_come.transpose();
   return pose;
 }
 

@@ -20,8 +20,10 @@ struct SentFrame {
 /// Keeps a device's odometry joined to the map. Pure; thread-compatible.
 class PoseTracker {
  public:
-  explicit PoseTracker(const localiser::AlignmentOptions& options) : alignment_(options) {}
+  PoseTracker(const localiser::AlignmentOptions& alignment, const CorrectionOptions& correction)
+      : alignment_(alignment), correction_(correction) {}
 
+  /// Also moves the shown pose on towards the estimate.
   void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time);
   /// Takes the answer to an image as one more fix.
   void AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose);
@@ -35,8 +37,12 @@ class PoseTracker {
   std::vector<SubmapId> SeenIn() const;
 
  private:
+  void Correct(std::chrono::duration<double> elapsed);
+
   localiser::OdometryAlignment alignment_;
+  CorrectionOptions correction_;
   localiser::Alignment current_;
+  std::optional<Transform<Map, Vo>> shown_map_from_vo_;
   std::optional<Transform<Vo, Device>> vo_from_device_;
   DeviceTime time_;
 };

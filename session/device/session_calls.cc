@@ -113,10 +113,12 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
   {
     const std::lock_guard lock(mutex_);
     tracker_.PushOdometry(vo_from_device, time);
+    if (!options_.clock) stamp_clock_.Observe(time, ClockNow());
     const bool is_due = time - last_report_ >= kMinReportInterval || time < last_report_;
     if (has_left_ || !join_.IsConnected() || !is_due) return;
     const DevicePose pose = CurrentPose();
-    const std::optional<ServerTime> session_time = session_clock_.ToSession(time);
+    const std::optional<ServerTime> session_time =
+        session_clock_.ToSession(options_.clock ? time : stamp_clock_.ToSteady(time));
     if (!pose.map_from_device || !session_time) return;
     report = PoseReport{
         .ticket = join_.welcome()->ticket,
@@ -133,8 +135,14 @@ DevicePose LiveSession::CurrentPose() const {
   return tracker_.Pose(join_.welcome() ? join_.welcome()->map.epoch : 0);
 }
 
+DeviceTime LiveSession::ClockNow() const {
+  if (options_.clock) return options_.clock();
+  return DeviceTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch()));
+}
+
 ServerTime LiveSession::SessionNow() const {
-  return session_clock_.ToSession(clock_()).value_or(ServerTime{});
+  return session_clock_.ToSession(ClockNow()).value_or(ServerTime{});
 }
 
 DevicePose LiveSession::Pose() const {
@@ -250,6 +258,13 @@ bool LiveSession::HasSnapshot() const {
 
 }  // namespace internal
 
+Result<void> CorrectionOptions::Validate() const {
+  if (max_speed_mps > 0 && max_turn_per_s.radians() > 0 && max_offset_m > 0) return {};
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "correction: expected speed, turn and offset above 0, found {}, {} rad and {}",
+                   max_speed_mps, max_turn_per_s.radians(), max_offset_m);
+}
+
 Result<void> DeviceOptions::Validate() const {
   if (jpeg_quality < 30 || jpeg_quality > 100) {
     return MakeError(ErrorCode::kInvalidArgument, "JPEG quality: expected [30, 100], found {}",
@@ -266,6 +281,7 @@ Result<void> DeviceOptions::Validate() const {
                      "device name: expected at most {} bytes, found {}", kMaxNameBytes,
                      name.size());
   }
+  WAYMARK_TRY(correction.Validate());
   return alignment.Validate();
 }
 

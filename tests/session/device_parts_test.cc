@@ -53,6 +53,19 @@ TEST(ClockEstimator, ForgetsWhatIsOldAndIgnoresTheImpossible) {
   EXPECT_EQ(*clock.ToSession(DeviceTime{}), ServerTime{seconds(2)});
 }
 
+TEST(StampClock, TakesTheLeastDelayAndFollowsJumps) {
+  StampClock clock;
+  EXPECT_EQ(clock.ToSteady(DeviceTime{seconds(3)}), DeviceTime{seconds(3)});
+  clock.Observe(DeviceTime{seconds(3)}, DeviceTime{seconds(100) + milliseconds(80)});
+  clock.Observe(DeviceTime{seconds(4)}, DeviceTime{seconds(101) + milliseconds(5)});
+  clock.Observe(DeviceTime{seconds(5)}, DeviceTime{seconds(102) + milliseconds(50)});
+  EXPECT_EQ(clock.ToSteady(DeviceTime{seconds(6)}), DeviceTime{seconds(103) + milliseconds(5)});
+  clock.Observe(DeviceTime{seconds(6)}, DeviceTime{seconds(110)});
+  EXPECT_EQ(clock.ToSteady(DeviceTime{seconds(6)}), DeviceTime{seconds(110)}) << "it was paused";
+  clock.Observe(DeviceTime{seconds(500)}, DeviceTime{seconds(111)});
+  EXPECT_EQ(clock.ToSteady(DeviceTime{seconds(500)}), DeviceTime{seconds(111)}) << "it was set";
+}
+
 // ---- room view --------------------------------------------------------------------------------
 
 constexpr RunId kRun{1}, kNextRun{2};
@@ -299,7 +312,7 @@ TEST(PoseTracker, CarriesCovarianceAlongTheLever) {
 
 TEST(PoseTracker, AFixPlacesTheOdometryInTheMap) {
   support::RandomGeometry random(9);
-  PoseTracker tracker({});
+  PoseTracker tracker({}, {});
   const Transform<Map, Vo> map_from_vo(
       Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), {4, 5, 6});
   const Transform<Device, Camera> device_from_camera(random.Rigid());
@@ -325,6 +338,43 @@ TEST(PoseTracker, AFixPlacesTheOdometryInTheMap) {
   EXPECT_THAT(tracker.SeenIn(), ElementsAre(SubmapId("s")));
   tracker.Reset();
   EXPECT_FALSE(tracker.Pose(1).map_from_device);
+}
+
+// A first fix places the device at once; when a better estimate differs, the shown pose walks
+// there.
+TEST(PoseTracker, CorrectionsNeverJump) {
+  constexpr double kStep_s = 0.1;
+  PoseTracker tracker({.half_life = std::chrono::duration<double>(0.01)}, {.max_speed_mps = 0.5});
+  const auto fix = [&](double time_s, double x) {
+    tracker.AddFix({.request = {},
+                    .time = DeviceTime{milliseconds(static_cast<int>(1e3 * time_s))},
+                    .device_from_camera = {},
+                    .vo_from_device = {}},
+                   {.map_from_camera = {Eigen::Quaterniond::Identity(), {x, 0, 0}},
+                    .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+                    .submap = SubmapId("s"),
+                    .submap_from_camera = {},
+                    .inliers = 50,
+                    .rms_px = 1});
+  };
+  double time_s = 1;
+  const auto live = [&] {
+    time_s += kStep_s;
+    tracker.PushOdometry({}, DeviceTime{milliseconds(static_cast<int>(1e3 * time_s + 0.5))});
+    return tracker.Pose(1).map_from_device->translation().x();
+  };
+  fix(1, 10);
+  double shown = live();
+  EXPECT_NEAR(shown, 10, 0.01);
+  for (int i = 0; i < 4; ++i) fix(time_s + 0.001 * i, 11);
+  const double before = tracker.Pose(1).covariance(0, 0);
+  for (int i = 0; i < 40; ++i) {
+    const double next = live();
+    EXPECT_LE(std::abs(next - shown), 0.5 * kStep_s + 1e-9);
+    shown = next;
+  }
+  EXPECT_NEAR(shown, 11, 0.05);
+  EXPECT_LT(tracker.Pose(1).covariance(0, 0), before) << "what was still to come was uncertainty";
 }
 
 TEST(Jpeg, RefusesSizesThatDoNotMatch) {

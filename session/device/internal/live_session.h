@@ -71,10 +71,10 @@ class LiveSession final : public DeviceSession {
   Result<CommandReply> Perform(AnchorCommand command);
   DevicePose CurrentPose() const;  // with mutex_ held
   ServerTime SessionNow() const;   // with mutex_ held
+  DeviceTime ClockNow() const;     // of the clock that the session's is compared with
   std::string ServerName() const;
 
   const DeviceOptions options_;
-  const std::function<DeviceTime()> clock_;
   const DeviceId id_;
   Inbox<Item> inbox_;
   mutable std::mutex mutex_;
@@ -85,6 +85,7 @@ class LiveSession final : public DeviceSession {
   ImageDesk images_;
   CommandDesk commands_;
   ClockEstimator session_clock_;
+  StampClock stamp_clock_;
   PoseTracker tracker_;
   RoomView view_;
   DeviceStatistics statistics_;
