@@ -118,10 +118,11 @@ void ListLeftOut(const TaskInput& input, const Reconstruction* reconstruction, b
 Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
                              const TangentPlane& submap_plane,
                              const std::vector<PairMatches>& matches, const std::string& name,
-                             const Parallelism& parallelism, Run& run) {
+                             Run& run) {
   const std::vector<SfmImage> images = MakeSfmImages(input, submap_plane);
   SfmOptions options = input.task.options.sfm;
-  options.parallelism = parallelism;
+  // One thread: with more, the solver's sums depend on timing, and a submap's name is its bytes.
+  options.parallelism = {1};
   const auto on_progress = [&](std::string_view, double share) {
     run.Report(PipelineStage::kReconstruction, name,
                static_cast<std::size_t>(std::lround(1000 * std::clamp(share, 0.0, 1.0))), 1000);
@@ -170,7 +171,7 @@ Result<SubmapReport> BuildTask(const MapDirectory& map, const ExperienceId& expe
   WAYMARK_TRY_ASSIGN(const auto matches,
                      MatchPairs(input, SelectPairs(input, submap_plane), name, parallelism, run));
   WAYMARK_TRY_ASSIGN(const Decision decision,
-                     Reconstruct(map, input, submap_plane, matches, name, parallelism, run));
+                     Reconstruct(map, input, submap_plane, matches, name, run));
   WAYMARK_TRY(
       StoreFileAtomically(DecisionPath(folder, task), std::string_view(EncodeDecision(decision))));
   return ReportOf(task, decision, false);

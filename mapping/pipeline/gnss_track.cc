@@ -18,12 +18,13 @@ GnssTrack::GnssTrack(std::span<const GnssRecord> records, const TangentPlane& ma
 
 std::optional<GnssPosition> GnssTrack::FindPosition(SensorTime time) const {
   if (fixes_.empty()) return std::nullopt;
-  const auto after = std::lower_bound(fixes_.begin(), fixes_.end(), time,
-                                      [](const Fix& fix, SensorTime t) { return fix.time < t; });
+  const auto after =
+      std::lower_bound(fixes_.begin(), fixes_.end(), time,
+                       [](const GnssFix& fix, SensorTime t) { return fix.time < t; });
   if (after != fixes_.end() && after->time == time) {
     return GnssPosition{Point<Map>(after->position_in_map), after->sigma_m};
   }
-  const Fix& nearest_end = after == fixes_.begin() ? fixes_.front() : fixes_.back();
+  const GnssFix& nearest_end = after == fixes_.begin() ? fixes_.front() : fixes_.back();
   const bool is_outside = after == fixes_.begin() || after == fixes_.end();
   if (is_outside && std::abs(Seconds(time - nearest_end.time)) > options_.max_extrapolation_s) {
     return std::nullopt;
@@ -33,8 +34,8 @@ std::optional<GnssPosition> GnssTrack::FindPosition(SensorTime time) const {
   const auto first = after == fixes_.begin() ? after
                      : after == fixes_.end() ? std::prev(after, 2)
                                              : std::prev(after);
-  const Fix& a = *first;
-  const Fix& b = *std::next(first);
+  const GnssFix& a = *first;
+  const GnssFix& b = *std::next(first);
   const double since_a_s = Seconds(time - a.time);
   const double until_b_s = Seconds(b.time - time);
   const double fraction = since_a_s / (since_a_s + until_b_s);

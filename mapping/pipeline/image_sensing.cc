@@ -8,6 +8,7 @@
 
 #include "mapping/pipeline/internal/gnss_track.h"
 #include "mapping/pipeline/internal/inertial.h"
+#include "mapping/pipeline/internal/levelling.h"
 
 namespace waymark::mapping {
 namespace {
@@ -48,6 +49,19 @@ Mounted<Record> Mount(const Experience& experience, const std::vector<Record>& r
   return mounted;
 }
 
+/// Gyroscope records in the accelerometer's axes; none where their mounting is not known.
+std::vector<ImuRecord> TurnIntoAxes(const Experience& experience,
+                                    const Mounted<ImuRecord>& gyroscope,
+                                    const Mounted<ImuRecord>& accelerometer) {
+  if (gyroscope.records.empty() || accelerometer.records.empty()) return {};
+  const auto mount = FindSensorFromSensor(experience.rigs, accelerometer.records.front().sensor,
+                                          gyroscope.records.front().sensor);
+  if (!mount) return {};
+  std::vector<ImuRecord> turned = gyroscope.records;
+  for (ImuRecord& record : turned) record.value = mount->rotation() * record.value;
+  return turned;
+}
+
 void SensePosition(const GnssTrack& track, const std::optional<Rigid3>& camera_from_antenna,
                    const TangentPlane& map, IndexedImage& image) {
   const std::optional<GnssPosition> antenna = track.FindPosition(image.time);
@@ -86,9 +100,12 @@ void SenseImages(const Experience& experience, const TangentPlane& map,
   const auto gyroscope = Mount(experience, experience.gyroscope, cameras);
   const GnssTrack track(gnss.records, map, {});
 
+  const Levelling levelling(accelerometer.records,
+                            TurnIntoAxes(experience, gyroscope, accelerometer), track.fixes(), {});
   for (IndexedImage& image : images) {
     if (const auto& mount = accelerometer.camera_from_sensor[image.camera]) {
-      const auto up = FindUp(accelerometer.records, image.time);
+      auto up = levelling.FindUp(image.time);
+      if (!up) up = FindUpAtRest(accelerometer.records, gyroscope.records, image.time);
       if (up) image.up_in_camera = (mount->rotation() * *up).normalized();
     }
     SensePosition(track, gnss.camera_from_sensor[image.camera], map, image);

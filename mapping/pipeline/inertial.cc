@@ -18,6 +18,17 @@ auto LowerBound(std::span<const ImuRecord> records, SensorTime time) {
                           [](const ImuRecord& record, SensorTime t) { return record.time < t; });
 }
 
+std::optional<Eigen::Vector3d> MeanAround(std::span<const ImuRecord> records, SensorTime time) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  int count = 0;
+  for (auto record = LowerBound(records, time - kHalfWindow);
+       record != records.end() && record->time <= time + kHalfWindow; ++record) {
+    sum += record->value;
+    ++count;
+  }
+  return count > 0 ? std::optional<Eigen::Vector3d>(sum / count) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Rigid3> FindSensorFromSensor(std::span<const RigMember> rigs, const std::string& to,
@@ -33,16 +44,13 @@ std::optional<Rigid3> FindSensorFromSensor(std::span<const RigMember> rigs, cons
   return std::nullopt;
 }
 
-std::optional<Eigen::Vector3d> FindUp(std::span<const ImuRecord> accelerometer, SensorTime time) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  int count = 0;
-  for (auto record = LowerBound(accelerometer, time - kHalfWindow);
-       record != accelerometer.end() && record->time <= time + kHalfWindow; ++record) {
-    sum += record->value;
-    ++count;
-  }
-  if (count == 0 || std::abs(sum.norm() / count - kGravity) > 0.15 * kGravity) return std::nullopt;
-  return sum.normalized();
+std::optional<Eigen::Vector3d> FindUpAtRest(std::span<const ImuRecord> accelerometer,
+                                            std::span<const ImuRecord> gyroscope, SensorTime time) {
+  const std::optional<Eigen::Vector3d> force = MeanAround(accelerometer, time);
+  if (!force || std::abs(force->norm() - kGravity) > 0.05 * kGravity) return std::nullopt;
+  const std::optional<Eigen::Vector3d> rate = MeanAround(gyroscope, time);
+  if (rate && rate->norm() > 0.05) return std::nullopt;
+  return force->normalized();
 }
 
 std::optional<Eigen::Quaterniond> IntegrateRotation(std::span<const ImuRecord> gyroscope,

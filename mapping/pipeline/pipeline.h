@@ -72,7 +72,7 @@ struct SubmapReport {
   std::string task;               ///< for `waymark-map build-submap`
   std::optional<SubmapId> id;     ///< absent: rejected
   bool was_built_before = false;  ///< by an earlier run
-  std::string verdict;
+  std::string verdict = {};
   int images = 0;  ///< registered, borrowed ones included
   int landmarks = 0;
 };
@@ -94,11 +94,11 @@ struct AddReport {
 enum class AddUntil { kPlan, kRelease };
 
 struct AddRequest {
-  std::filesystem::path map_folder;
-  std::vector<std::filesystem::path> experience_folders;
+  std::filesystem::path map_folder = {};
+  std::vector<std::filesystem::path> experience_folders = {};
   PipelineOptions options = {};
   AddUntil until = AddUntil::kRelease;
-  std::string created_utc;  ///< ISO 8601, of the release
+  std::string created_utc = {};  ///< ISO 8601, of the release
 };
 
 /// Adds experiences to a map, creating it when it is absent, and deploys a new release of all old

@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "mapping/pipeline/pipeline.h"
@@ -60,11 +62,21 @@ void PrintSubmaps(const AddReport& report) {
   }
 }
 
+/// Images with the same fate share a line.
 void PrintLeftOut(const AddReport& report) {
+  constexpr std::size_t kNamesShown = 30;
   if (report.left_out.empty()) return;
-  fmt::print("left out: {} images\n", report.left_out.size());
+  std::map<std::pair<ExperienceId, std::string>, std::vector<std::string>> names_by_reason;
   for (const LeftOutImage& image : report.left_out) {
-    fmt::print("  {}/{}: {}\n", image.experience.text(), image.name, image.reason);
+    names_by_reason[{image.experience, image.reason}].push_back(image.name);
+  }
+  fmt::print("left out: {} images\n", report.left_out.size());
+  for (const auto& [key, names] : names_by_reason) {
+    const std::size_t shown = std::min(kNamesShown, names.size());
+    fmt::print("  {}: {}: {}", key.first.text(), key.second,
+               fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
+    if (shown < names.size()) fmt::print(" and {} more", names.size() - shown);
+    fmt::print("\n");
   }
 }
 

@@ -16,6 +16,13 @@ struct GnssTrackOptions {
   double max_extrapolation_s = 1;  ///< before the first and after the last fix
 };
 
+/// A fix in the map frame.
+struct GnssFix {
+  SensorTime time;
+  Eigen::Vector3d position_in_map;
+  double sigma_m;
+};
+
 /// A position with the standard deviation of one axis.
 struct GnssPosition {
   Point<Map> position;
@@ -32,14 +39,10 @@ class GnssTrack {
   /// deviation grows with the distance in time to both, by what the vehicle's acceleration allows.
   std::optional<GnssPosition> FindPosition(SensorTime time) const;
 
- private:
-  struct Fix {
-    SensorTime time;
-    Eigen::Vector3d position_in_map;
-    double sigma_m;
-  };
+  std::span<const GnssFix> fixes() const { return fixes_; }
 
-  std::vector<Fix> fixes_;
+ private:
+  std::vector<GnssFix> fixes_;
   GnssTrackOptions options_;
 };
 
