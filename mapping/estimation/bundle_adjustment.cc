@@ -178,14 +178,16 @@ class Adjustment {
       subsets_.push_back(
           std::make_unique<ceres::SubsetManifold>(count, std::vector<int>{centre, centre + 1}));
       problem_.SetManifold(block, subsets_.back().get());
-      Eigen::VectorXd initial = Eigen::VectorXd::Zero(count);
+      Eigen::VectorXd initial = Eigen::VectorXd::Ones(count);
       Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);
       for (int p = 0; p < count; ++p) {
         initial(p) = camera.initial.parameters()[static_cast<std::size_t>(p)];
         if (p < centre) weights(p) = 1 / (camera.focal_sigma_share * initial(p));
         if (p >= centre + 2) weights(p) = 1 / camera.lens_sigma;
       }
-      problem_.AddResidualBlock(new internal::IntrinsicsCost(initial, weights), nullptr, block);
+      const double aspect_weight = two_focals ? 1 / camera.aspect_sigma : 0;
+      problem_.AddResidualBlock(new internal::IntrinsicsCost(initial, weights, aspect_weight),
+                                nullptr, block);
     }
   }
 

@@ -20,6 +20,7 @@ struct BundleCamera {
   bool hold = true;
   CameraModel initial;              ///< the priors below pull towards it
   double focal_sigma_share = 0.05;  ///< of the initial focal length
+  double aspect_sigma = 0.001;      ///< of the ratio of two focal lengths: pixels are made square
   double lens_sigma = 0.1;          ///< of each distortion coefficient
 };
 

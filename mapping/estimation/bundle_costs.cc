@@ -119,20 +119,31 @@ bool LevelCost::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
-IntrinsicsCost::IntrinsicsCost(Eigen::VectorXd initial, Eigen::VectorXd weights)
-    : initial_(std::move(initial)), weights_(std::move(weights)) {
-  set_num_residuals(static_cast<int>(initial_.size()));
+IntrinsicsCost::IntrinsicsCost(Eigen::VectorXd initial, Eigen::VectorXd weights,
+                               double aspect_weight)
+    : initial_(std::move(initial)), weights_(std::move(weights)), aspect_weight_(aspect_weight) {
+  set_num_residuals(static_cast<int>(initial_.size()) + 1);
   mutable_parameter_block_sizes()->assign({static_cast<int>(initial_.size())});
 }
 
 bool IntrinsicsCost::Evaluate(double const* const* parameters, double* residuals,
                               double** jacobians) const {
   const Eigen::Index count = initial_.size();
-  Eigen::Map<Eigen::VectorXd>(residuals, count) =
-      weights_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(parameters[0], count) - initial_);
+  const Eigen::Map<const Eigen::VectorXd> values(parameters[0], count);
+  Eigen::Map<Eigen::VectorXd> residual(residuals, count + 1);
+  residual.head(count) = weights_.cwiseProduct(values - initial_);
+  const bool has_aspect = aspect_weight_ > 0;
+  residual(count) =
+      has_aspect ? aspect_weight_ * (values(0) / initial_(0) - values(1) / initial_(1)) : 0;
   if (jacobians != nullptr && jacobians[0] != nullptr) {
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-        jacobians[0], count, count) = weights_.asDiagonal();
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(
+        jacobians[0], count + 1, count);
+    jacobian.setZero();
+    jacobian.topRows(count) = weights_.asDiagonal();
+    if (has_aspect) {
+      jacobian(count, 0) = aspect_weight_ / initial_(0);
+      jacobian(count, 1) = -aspect_weight_ / initial_(1);
+    }
   }
   return true;
 }

@@ -81,16 +81,18 @@ class LevelCost final : public ceres::SizedCostFunction<1, kPoseSize> {
   double weight_;
 };
 
-/// Intrinsics against initial ones; a weight of zero leaves a parameter free.
+/// Intrinsics against initial ones; a weight of zero leaves a parameter free. With two focal
+/// lengths (the first two parameters) one more residual holds their ratio.
 class IntrinsicsCost final : public ceres::CostFunction {
  public:
-  IntrinsicsCost(Eigen::VectorXd initial, Eigen::VectorXd weights);
+  IntrinsicsCost(Eigen::VectorXd initial, Eigen::VectorXd weights, double aspect_weight);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
   Eigen::VectorXd initial_;
   Eigen::VectorXd weights_;
+  double aspect_weight_;
 };
 
 }  // namespace waymark::mapping::internal

@@ -5,7 +5,9 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "mapping/estimation/projection_derivatives.h"
@@ -24,7 +26,10 @@ Eigen::Vector3d XAxisInModel(const GeoSample& sample) {
 class Alignment {
  public:
   Alignment(std::span<const GeoSample> samples, const GeoAlignmentOptions& options)
-      : samples_(samples), options_(options), upright_(UprightRotation(EstimateUp(samples))) {
+      : samples_(samples), options_(options), upright_(Eigen::Quaterniond::Identity()) {
+    const Eigen::Vector3d up = EstimateUp(samples);
+    upright_ = UprightRotation(up);
+    gravity_sigma_rad_ = EstimateGravitySigma(samples, up, options.gravity_sigma_rad);
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if (samples[i].position_in_enu) placed_.push_back(static_cast<std::uint32_t>(i));
       has_gravity_ = has_gravity_ || samples[i].up_in_camera.has_value();
@@ -32,6 +37,14 @@ class Alignment {
   }
 
   std::span<const std::uint32_t> placed() const { return placed_; }
+
+  // Neither accelerometers nor level axes tell upside down apart once an optimisation has begun.
+  bool IsUpright(const Sim3& enu_from_model) const {
+    const double cosine =
+        (enu_from_model.rotation() * (upright_.conjugate() * Eigen::Vector3d::UnitZ())).z();
+    // Without gravity cameras may be held in portrait: their y axis says little.
+    return cosine > (has_gravity_ ? 0.7 : -0.3);
+  }
 
   double PositionError(const Sim3& enu_from_model, std::uint32_t i) const {
     const GeoSample& sample = samples_[i];
@@ -109,7 +122,7 @@ class Alignment {
   void AddUp(const Sim3& sim, const GeoSample& sample) const {
     if (sample.up_in_camera) {
       const Eigen::Vector3d up = sim.rotation() * UpInModel(sample);
-      const double weight = 1 / options_.gravity_sigma_rad;
+      const double weight = 1 / gravity_sigma_rad_;
       Eigen::Matrix<double, 2, 7> jacobian = Eigen::Matrix<double, 2, 7>::Zero();
       jacobian.middleCols<3>(3) = -weight * CrossMatrix(up).topRows<2>();
       Add<2>(weight * up.head<2>(), jacobian, 3);
@@ -127,6 +140,7 @@ class Alignment {
   Eigen::Quaterniond upright_;
   std::vector<std::uint32_t> placed_;
   bool has_gravity_ = false;
+  double gravity_sigma_rad_ = 1;
   mutable Eigen::Matrix<double, 7, 7> normal_;  // scratch of Refine
   mutable Eigen::Matrix<double, 7, 1> gradient_;
 };
@@ -145,11 +159,21 @@ Eigen::Vector3d Spread(std::span<const Eigen::Vector3d> positions) {
 }  // namespace
 
 Eigen::Vector3d EstimateUp(std::span<const GeoSample> samples) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const GeoSample& sample : samples) {
-    if (sample.up_in_camera) sum += UpInModel(sample);
+  constexpr int kIterations = 10;
+  constexpr double kScaleRad = 0.05;  // Cauchy
+  std::optional<Eigen::Vector3d> up;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const GeoSample& sample : samples) {
+      if (!sample.up_in_camera) continue;
+      const Eigen::Vector3d one = UpInModel(sample);
+      const double off = up ? up->cross(one).norm() / kScaleRad : 0;
+      sum += one / (1 + off * off);
+    }
+    if (!(sum.norm() > 0)) break;
+    up = sum.normalized();
   }
-  if (sum.norm() > 0) return sum.normalized();
+  if (up) return *up;
   // Minimise sum (x . up)^2 + m |up + mean y|^2: when all x axes agree, y decides what is left.
   constexpr double kYWeight = 0.05;
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -162,6 +186,23 @@ Eigen::Vector3d EstimateUp(std::span<const GeoSample> samples) {
   if (!(y.norm() > 1e-9)) return Eigen::Vector3d::UnitZ();
   spread.diagonal().array() += kYWeight;
   return spread.ldlt().solve(-y).normalized();
+}
+
+double EstimateGravitySigma(std::span<const GeoSample> samples, const Eigen::Vector3d& up_in_model,
+                            double stated_sigma_rad) {
+  constexpr double kDoubt = 3;
+  std::vector<double> angles;
+  for (const GeoSample& sample : samples) {
+    if (!sample.up_in_camera) continue;
+    const Eigen::Vector3d one = UpInModel(sample);
+    angles.push_back(std::atan2(up_in_model.cross(one).norm(), up_in_model.dot(one)));
+  }
+  if (angles.empty()) return stated_sigma_rad;
+  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
+  std::nth_element(angles.begin(), middle, angles.end());
+  const double sigma = *middle / 1.177;  // the median length of two normal components
+  if (sigma <= 2 * stated_sigma_rad) return stated_sigma_rad;
+  return kDoubt * sigma * std::sqrt(static_cast<double>(angles.size()));
 }
 
 Eigen::Quaterniond UprightRotation(const Eigen::Vector3d& up_in_model) {
@@ -180,7 +221,7 @@ std::optional<GeoAlignment> EstimateGeoAlignment(std::span<const GeoSample> samp
   std::optional<Sim3> best;
   double best_cost = std::numeric_limits<double>::infinity();
   const auto consider = [&](const std::optional<Sim3>& sim) {
-    if (!sim) return;
+    if (!sim || !alignment.IsUpright(*sim)) return;
     const double cost = alignment.Cost(*sim);
     if (!(cost < best_cost)) return;
     best = sim;

@@ -104,8 +104,8 @@ class BundleBuilder {
   std::vector<std::uint32_t> pose_index_;  // of images
 };
 
-BundleOptions MakeBundleOptions(const SfmOptions& options) {
-  return {.gravity_sigma_rad = options.gravity_sigma_rad, .parallelism = options.parallelism};
+BundleOptions MakeBundleOptions(const GaugeState& gauge, const SfmOptions& options) {
+  return {.gravity_sigma_rad = gauge.gravity_sigma_rad, .parallelism = options.parallelism};
 }
 
 // Registered images that share points with `image`, most first, at most `count`.
@@ -140,7 +140,7 @@ Result<BundleSummary> AdjustGlobally(Model& model, const GaugeState& gauge,
   for (std::uint32_t t = 0; t < model.tracks().size(); ++t) {
     if (model.track(t).position) builder.AddTrack(t);
   }
-  BundleOptions bundle_options = MakeBundleOptions(options);
+  BundleOptions bundle_options = MakeBundleOptions(gauge, options);
   bundle_options.max_iterations = max_iterations;
   bundle_options.relative_tolerance = relative_tolerance;
   WAYMARK_TRY_ASSIGN(const BundleSummary summary, builder.Adjust(bundle_options));
@@ -163,7 +163,7 @@ Result<std::vector<std::uint32_t>> AdjustLocally(Model& model, std::uint32_t ima
   for (std::uint32_t t : model.TracksOf(image)) {
     if (model.track(t).position) builder.AddTrack(t);
   }
-  BundleOptions bundle_options = MakeBundleOptions(options);
+  BundleOptions bundle_options = MakeBundleOptions(gauge, options);
   bundle_options.max_iterations = 8;
   bundle_options.relative_tolerance = 1e-4;
   WAYMARK_TRY(builder.Adjust(bundle_options));

@@ -29,14 +29,16 @@ GaugeState UpdateGauge(Model& model, const GaugeState& before, const SfmOptions&
   const bool has_gravity = std::any_of(samples.begin(), samples.end(), [](const GeoSample& s) {
     return s.up_in_camera.has_value();
   });
+  const Eigen::Vector3d up = EstimateUp(samples);
+  const double gravity_sigma_rad = EstimateGravitySigma(samples, up, options.gravity_sigma_rad);
   if (const auto alignment = EstimateGeoAlignment(
           samples, {.gravity_sigma_rad = options.gravity_sigma_rad, .seed = options.seed})) {
     model.Transform(alignment->enu_from_model);
-    return {Gauge::kGeographic, alignment->is_straight && !has_gravity};
+    return {Gauge::kGeographic, alignment->is_straight && !has_gravity, gravity_sigma_rad};
   }
   if (before.gauge == Gauge::kGeographic || !has_gravity) return before;
-  model.Transform(Sim3(1, UprightRotation(EstimateUp(samples)), Eigen::Vector3d::Zero()));
-  return {Gauge::kUpright, false};
+  model.Transform(Sim3(1, UprightRotation(up), Eigen::Vector3d::Zero()));
+  return {Gauge::kUpright, false, gravity_sigma_rad};
 }
 
 void NormaliseGauge(Model& model, const GaugeState& state) {

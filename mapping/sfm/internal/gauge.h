@@ -18,6 +18,8 @@ struct GaugeState {
   Gauge gauge = Gauge::kFree;
   /// Positions lie on a line and no accelerometer says where up is: horizontal camera x axes must.
   bool needs_level = false;
+  /// Of one accelerometer direction, after asking whether they agree with each other.
+  double gravity_sigma_rad = 0.02;
 };
 
 /// Moves the model into the best frame that its images now allow; never falls back to a worse one.
