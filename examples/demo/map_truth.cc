@@ -38,6 +38,15 @@ Result<Transform<World, Map>> WorldFromMapByGeodesy(const GeoPoint& world_origin
   return Transform<World, Map>(sim.rotation(), sim.translation());
 }
 
+double RmsAfter(const Sim3& to_from_from, const std::vector<Eigen::Vector3d>& from,
+                const std::vector<Eigen::Vector3d>& to) {
+  double sum = 0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    sum += (to_from_from * from[i] - to[i]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(from.size()));
+}
+
 }  // namespace
 
 Result<MapPicture> LoadMapPicture(const std::filesystem::path& folder) {
@@ -72,11 +81,10 @@ Result<MapAlignment> AlignMapToTruth(const MapPicture& map, const GeoPoint& worl
   MapAlignment alignment;
   WAYMARK_TRY_ASSIGN(alignment.by_geodesy, WorldFromMapByGeodesy(world_origin, map.origin));
   alignment.by_fit = Transform<World, Map>(fit.rotation(), fit.translation());
-  double sum = 0;
-  for (std::size_t i = 0; i < in_map.size(); ++i) {
-    sum += (fit * in_map[i] - in_world[i]).squaredNorm();
-  }
-  alignment.camera_rms_m = std::sqrt(sum / static_cast<double>(in_map.size()));
+  WAYMARK_TRY_ASSIGN(const Sim3 similarity, EstimateSimilarity(in_map, in_world));
+  alignment.camera_rms_m = RmsAfter(fit, in_map, in_world);
+  alignment.shape_rms_m = RmsAfter(similarity, in_map, in_world);
+  alignment.scale_error = 1 / similarity.scale() - 1;
   alignment.geodetic_offset_m =
       (alignment.by_geodesy.rigid() * middle - alignment.by_fit.rigid() * middle).norm();
   return alignment;

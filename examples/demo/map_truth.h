@@ -37,7 +37,9 @@ struct MapAlignment {
   Transform<World, Map> by_geodesy;  ///< from the two origins: includes the map's GNSS error
   Transform<World, Map> by_fit;      ///< rigid, best on the vehicles' true camera positions
   double camera_rms_m = 0;           ///< of the vehicles' cameras after the fit
-  double geodetic_offset_m = 0;      ///< how far the two differ at the map's middle
+  double shape_rms_m = 0;        ///< of the same after a similarity: what is not the map's scale
+  double scale_error = 0;        ///< of the map; monocular drives have theirs from GNSS alone
+  double geodetic_offset_m = 0;  ///< how far the two differ at the map's middle
 };
 
 /// `true_vehicle_poses` holds "<experience>/<image>" names.

@@ -90,10 +90,12 @@ std::string FormatReport(const MapPicture& map, const MapAlignment& alignment,
                          const std::vector<AnchorFigures>& anchors,
                          const std::vector<Promise>& promises) {
   std::string text = fmt::format(
-      "\nMap: epoch {}, {} submaps, {} images, {} landmarks; its cameras are {:.1f} cm (rms) from "
-      "the truth after one rigid fit, and the whole lies {:.2f} m off on the earth (GNSS).\n\n",
+      "\nMap: epoch {}, {} submaps, {} images, {} landmarks. Its cameras are {:.1f} cm (rms) from "
+      "the truth after one rigid fit, {:.1f} cm once its scale, {:+.2f} % off, is taken out too; "
+      "the whole lies {:.2f} m off on the earth (GNSS).\n\n",
       map.epoch, map.submap_count, map.images.size(), map.landmarks.size(),
-      100 * alignment.camera_rms_m, alignment.geodetic_offset_m);
+      100 * alignment.camera_rms_m, 100 * alignment.shape_rms_m, 100 * alignment.scale_error,
+      alignment.geodetic_offset_m);
   text += PhoneTable(phones, figures) + "\n";
   for (const AnchorFigures& anchor : anchors) text += AnchorTable(anchor) + "\n";
   for (const WalkedPhone& phone : phones) {
