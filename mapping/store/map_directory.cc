@@ -104,6 +104,8 @@ Result<FileLock> MapDirectory::LockForWriting() const {
   return FileLock::Acquire(folder_ / kLockFile, "writer");
 }
 
+fs::path MapDirectory::ServeLockPath() const { return folder_ / "serve.lock"; }
+
 fs::path MapDirectory::SubmapPath(const SubmapId& id) const {
   return folder_ / "submaps" / id.text();
 }

@@ -42,6 +42,8 @@ class MapDirectory {
 
   /// Errors: Conflict when another process writes this map.
   Result<FileLock> LockForWriting() const;
+  /// The file that a server of this map locks while it serves.
+  std::filesystem::path ServeLockPath() const;
 
   std::filesystem::path SubmapPath(const SubmapId& id) const;
   std::filesystem::path ExperienceFolder(const ExperienceId& id) const;

@@ -37,12 +37,13 @@ void ParseArguments(CLI::App& app, Arguments& arguments) {
                "Anchors may be moved and deleted by their owner alone");
 }
 
-Result<FileLock> LockStore(const std::filesystem::path& store) {
-  const std::filesystem::path lock = store.string() + ".serve.lock";
+/// One server at a time serves an object, which a lock file beside or in it says.
+Result<FileLock> LockServed(const std::filesystem::path& served,
+                            const std::filesystem::path& lock) {
   Result<FileLock> acquired = FileLock::Acquire(lock, "waymark-serve");
   if (acquired.ok() || acquired.error().code != ErrorCode::kConflict) return acquired;
   return MakeError(ErrorCode::kConflict, "{}: is being served by another waymark-serve",
-                   store.string());
+                   served.string());
 }
 
 sigset_t EndSignals() {
@@ -57,7 +58,9 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY(arguments.server.Validate());
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  WAYMARK_TRY_ASSIGN(const FileLock lock, LockStore(arguments.store));
+  WAYMARK_TRY_ASSIGN(const FileLock store_lock,
+                     LockServed(arguments.store, arguments.store.string() + ".serve.lock"));
+  WAYMARK_TRY_ASSIGN(const FileLock map_lock, LockServed(map.folder(), map.ServeLockPath()));
   WAYMARK_TRY_ASSIGN(auto store, content::OpenSqliteStore(arguments.store));
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
   WAYMARK_TRY_ASSIGN(const auto server,

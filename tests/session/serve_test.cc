@@ -61,6 +61,12 @@ TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
   EXPECT_THAT(second.line(), AllOf(HasSubstr(StorePath().string()),
                                    HasSubstr("is being served by another waymark-serve")));
   EXPECT_EQ(second.AwaitEnd(), 1);
+  std::vector<std::string> other_store = Arguments();
+  other_store[3] = StorePath().string() + ".other";
+  Peer third(other_store, WAYMARK_SERVE);
+  EXPECT_THAT(third.line(), AllOf(HasSubstr(MapPath().string()),
+                                  HasSubstr("is being served by another waymark-serve")));
+  EXPECT_EQ(third.AwaitEnd(), 1);
 
   EXPECT_EQ(server.Terminate(), 0);
   EXPECT_THAT(server.ReadLine(), AllOf(StartsWith("ended: 1 joins"), HasSubstr("0 localised")));
