@@ -9,7 +9,7 @@
 #include <memory>
 #include <numeric>
 
-#include "mapping/estimation/bundle_costs.h"
+#include "mapping/estimation/internal/bundle_costs.h"
 
 namespace waymark::mapping {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mapping/estimation/bundle_costs.h"
+#include "mapping/estimation/internal/bundle_costs.h"
 
 #include "mapping/estimation/projection_derivatives.h"
 #include "mapping/geometry/rigid3.h"
