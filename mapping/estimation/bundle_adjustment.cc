@@ -4,6 +4,7 @@
 #include <ceres/loss_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <omp.h>
 
 #include <array>
 #include <memory>
@@ -63,6 +64,8 @@ class Adjustment {
     solver.function_tolerance = options_.relative_tolerance;
     solver.num_threads = static_cast<int>(options_.parallelism.ThreadCount());
     solver.logging_type = ceres::SILENT;
+    // Our threads are enough: the sparse solver would start a spinning team in each of them.
+    omp_set_num_threads(1);
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem_, &summary);
     usable_ = summary.IsSolutionUsable();

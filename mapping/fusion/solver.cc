@@ -7,6 +7,7 @@
 #include <ceres/problem.h>
 #include <ceres/product_manifold.h>
 #include <ceres/solver.h>
+#include <omp.h>
 
 #include <array>
 #include <cmath>
@@ -143,6 +144,8 @@ Result<SolverSummary> Solve(const SolverProblem& input, const FusionOptions& opt
   }
   if (input.held) problem.SetParameterBlockConstant(places[*input.held].data());
 
+  // Our threads are enough: the sparse solver would start a spinning team in each of them.
+  omp_set_num_threads(1);
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(options), &problem, &summary);
   if (!summary.IsSolutionUsable()) {
