@@ -8,6 +8,7 @@
 #include "mapping/base/file.h"
 #include "mapping/io/submap_file.h"
 #include "mapping/pipeline/internal/task_input.h"
+#include "mapping/submap/prune.h"
 
 namespace waymark::mapping {
 namespace {
@@ -65,8 +66,10 @@ std::vector<SfmImage> MakeSfmImages(const TaskInput& input, const TangentPlane& 
   return images;
 }
 
-Result<VerificationEvidence> Verify(const TaskInput& input, const Reconstruction& reconstruction,
-                                    std::span<const SfmImage> sfm_images) {
+/// Takes out single images that cannot be right, then judges the rest.
+Result<VerificationEvidence> PruneAndVerify(const TaskInput& input,
+                                            std::span<const SfmImage> sfm_images,
+                                            Reconstruction& reconstruction) {
   std::vector<VerificationImage> images;
   for (std::size_t i = 0; i < input.images.size(); ++i) {
     images.push_back({.sequence = input.sequences[i],
@@ -76,8 +79,13 @@ Result<VerificationEvidence> Verify(const TaskInput& input, const Reconstruction
                       .gnss_sigma_m = sfm_images[i].gnss_sigma_m,
                       .is_borrowed = input.task.images[i].is_borrowed});
   }
+  const VerificationOptions& options = input.task.options.verification;
+  WAYMARK_TRY_ASSIGN(const auto implausible,
+                     FindImplausibleImages(reconstruction, images,
+                                           ComposeRotations(input, reconstruction), options));
+  RemoveImages(implausible, reconstruction);
   return VerifyReconstruction(reconstruction, images, ComposeRotations(input, reconstruction),
-                              input.task.options.verification);
+                              options);
 }
 
 Result<SubmapModel> Assemble(const TaskInput& input, const Reconstruction& reconstruction,
@@ -127,7 +135,7 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
     run.Report(PipelineStage::kReconstruction, name,
                static_cast<std::size_t>(std::lround(1000 * std::clamp(share, 0.0, 1.0))), 1000);
   };
-  const auto reconstruction =
+  auto reconstruction =
       ReconstructIncrementally(input.cameras, images, matches, options, on_progress);
   Decision decision;
   if (!reconstruction) {
@@ -135,7 +143,8 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
     ListLeftOut(input, nullptr, false, decision);
     return decision;
   }
-  WAYMARK_TRY_ASSIGN(const VerificationEvidence evidence, Verify(input, *reconstruction, images));
+  WAYMARK_TRY_ASSIGN(const VerificationEvidence evidence,
+                     PruneAndVerify(input, images, *reconstruction));
   decision.verdict = evidence.verdict;
   ListLeftOut(input, &*reconstruction, evidence.accepted, decision);
   WAYMARK_TRY_ASSIGN(const SubmapModel model, Assemble(input, *reconstruction, evidence));

@@ -23,6 +23,7 @@ void VisitSplit(Options& o, Visit visit) {
   visit("split.min_radius_m", o.min_radius_m);
   visit("split.overlap_m", o.overlap_m);
   visit("split.min_images", o.min_images);
+  visit("split.min_shared_images", o.min_shared_images);
   visit("split.max_radius_m", o.max_radius_m);
   visit("split.neighbour_share", o.neighbour_share);
   visit("split.foreign_share", o.foreign_share);

@@ -160,6 +160,24 @@ Circle SubsetCircle(const Core& core, const SplitOptions& options) {
           std::max(options.min_radius_m, core.circle.radius + options.overlap_m / 2)};
 }
 
+Circle SharingCircle(Positions positions, const Core& core, const SplitOptions& options) {
+  Circle circle = SubsetCircle(core, options);
+  std::vector<double> distances;  // of images that other cores own
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    if (std::binary_search(core.images.begin(), core.images.end(), i)) continue;
+    distances.push_back((positions[i] - circle.centre).norm());
+  }
+  const std::size_t wanted =
+      std::min(static_cast<std::size_t>(options.min_shared_images), distances.size());
+  std::partial_sort(distances.begin(), distances.begin() + static_cast<std::ptrdiff_t>(wanted),
+                    distances.end());
+  const double limit = std::min(options.max_radius_m, 2 * circle.radius);
+  for (std::size_t i = 0; i < wanted && distances[i] <= limit; ++i) {
+    circle.radius = std::max(circle.radius, distances[i]);
+  }
+  return circle;
+}
+
 std::vector<Core> SweepCores(Positions positions, const SplitOptions& options) {
   std::vector<Core> cores;
   std::vector<bool> owned(positions.size(), false);

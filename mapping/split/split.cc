@@ -132,7 +132,7 @@ Split SplitByPosition(std::span<const SplitImage> images, std::span<const Foreig
   std::vector<Circle> circles;
   for (const Core& core : SweepCores(positions, options)) {
     Draft draft;
-    circles.push_back(SubsetCircle(core, options));
+    circles.push_back(SharingCircle(positions, core, options));
     const Circle& circle = circles.back();
     draft.subset.centre = Point<Map>(circle.centre.x(), circle.centre.y(), 0);
     draft.subset.radius_m = circle.radius;

@@ -32,7 +32,8 @@ struct SplitOptions {
   double min_radius_m = 20;      ///< dense places are thinned out rather than cut smaller, > 0
   double overlap_m = 20;         ///< of neighbouring circles, [0, 2 min_radius_m)
   int min_images = 20;           ///< sparse subsets grow until they own as many, >= 1
-  double max_radius_m = 100;     ///< but no larger than this, >= radius_m
+  int min_shared_images = 6;     ///< circles of sparse places widen until they borrow as many, >= 0
+  double max_radius_m = 100;     ///< but no circle is larger than this, >= radius_m
   double neighbour_share = 0.4;  ///< of max_images may be borrowed from neighbouring subsets
   double foreign_share =
       0.2;  ///< of max_images may be borrowed from other experiences; both together <= 0.75

@@ -12,6 +12,7 @@ Result<void> SplitOptions::Validate() const {
   };
   if (max_images < 4) return fail("max_images", "at least 4", max_images);
   if (min_images < 1) return fail("min_images", "at least 1", min_images);
+  if (min_shared_images < 0) return fail("min_shared_images", "0 or more", min_shared_images);
   if (!(min_radius_m > 0)) return fail("min_radius_m", "a positive length", min_radius_m);
   if (!(radius_m >= min_radius_m) || !std::isfinite(radius_m)) {
     return fail("radius_m", "at least min_radius_m", radius_m);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <utility>
 #include <vector>
+
+#include "mapping/submap/internal/measurements.h"
 
 namespace waymark::mapping {
 namespace {
+
+using internal::Median;
 
 /// One check: its worst figure, how many values broke the bound, of how many.
 struct Tally {
@@ -25,12 +27,6 @@ struct Tally {
   }
   bool Fails(double tolerated_share) const { return broken > tolerated_share * count; }
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Everything measured about one reconstruction.
 struct Findings {
@@ -54,23 +50,12 @@ void CountImages(const Reconstruction& reconstruction, std::span<const Verificat
   }
 }
 
-void CheckRotations(const Reconstruction& reconstruction,
-                    std::span<const MeasuredRotation> rotations, const VerificationOptions& options,
-                    Findings& findings) {
-  for (const MeasuredRotation& measured : rotations) {
-    const auto& from = reconstruction.images[measured.from].submap_from_camera;
-    const auto& to = reconstruction.images[measured.to].submap_from_camera;
-    if (!from || !to) continue;
-    const Eigen::Quaterniond found = to->rotation().conjugate() * from->rotation();
-    findings.gyroscope.Add(
-        AngleBetween(found, measured.to_from_from).radians(),
-        options.max_gyroscope_error_rad + options.max_gyroscope_drift_rad_per_s * measured.seconds);
-  }
+void TallyPairs(std::span<const internal::PairCheck> checks, Tally& tally) {
+  for (const internal::PairCheck& check : checks) tally.Add(check.value, check.bound);
 }
 
-void CheckPositions(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
-                    const VerificationOptions& options, Findings& findings) {
-  std::map<std::string, std::vector<std::pair<SensorTime, Eigen::Vector3d>>> sequences;
+void MeasureImages(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
+                   Findings& findings) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     const auto& pose = reconstruction.images[i].submap_from_camera;
     if (!pose) continue;
@@ -78,21 +63,10 @@ void CheckPositions(const Reconstruction& reconstruction, std::span<const Verifi
       const Eigen::Vector3d up = pose->rotation() * *images[i].up_in_camera;
       findings.gravity_rad.push_back(std::atan2(up.head<2>().norm(), up.z()));
     }
-    sequences[images[i].sequence].emplace_back(images[i].time, pose->translation());
     if (images[i].gnss_in_submap) {
       const double off_m = (pose->translation() - images[i].gnss_in_submap->coordinates()).norm();
       findings.gnss_m.push_back(off_m);
       findings.gnss_sigmas.push_back(off_m / images[i].gnss_sigma_m);
-    }
-  }
-  for (auto& [sequence, sightings] : sequences) {
-    std::stable_sort(sightings.begin(), sightings.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (std::size_t i = 1; i < sightings.size(); ++i) {
-      const double seconds = Seconds(sightings[i].first - sightings[i - 1].first);
-      if (seconds <= 0) continue;
-      const double metres = (sightings[i].second - sightings[i - 1].second).norm();
-      findings.speed.Add(metres / seconds, options.max_speed_mps);
     }
   }
 }
@@ -149,24 +123,6 @@ std::string DescribeChecks(const Reconstruction& reconstruction, const Findings&
   return text;
 }
 
-Result<void> CheckInput(const Reconstruction& reconstruction,
-                        std::span<const VerificationImage> images,
-                        std::span<const MeasuredRotation> rotations) {
-  if (images.size() != reconstruction.images.size()) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "verification: {} images for a reconstruction of {}", images.size(),
-                     reconstruction.images.size());
-  }
-  for (const MeasuredRotation& rotation : rotations) {
-    if (std::max(rotation.from, rotation.to) >= images.size()) {
-      return MakeError(ErrorCode::kInvalidArgument,
-                       "verification: rotation between images {} and {}", rotation.from,
-                       rotation.to);
-    }
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<void> VerificationOptions::Validate() const {
@@ -188,11 +144,12 @@ Result<VerificationEvidence> VerifyReconstruction(const Reconstruction& reconstr
                                                   std::span<const MeasuredRotation> rotations,
                                                   const VerificationOptions& options) {
   WAYMARK_TRY(options.Validate());
-  WAYMARK_TRY(CheckInput(reconstruction, images, rotations));
+  WAYMARK_TRY(internal::CheckVerificationInput(reconstruction, images, rotations));
   Findings found;
   CountImages(reconstruction, images, found);
-  CheckRotations(reconstruction, rotations, options, found);
-  CheckPositions(reconstruction, images, options, found);
+  TallyPairs(internal::CompareRotations(reconstruction, rotations, options), found.gyroscope);
+  TallyPairs(internal::MeasureSpeeds(reconstruction, images, options), found.speed);
+  MeasureImages(reconstruction, images, found);
 
   const std::optional<std::string> fault = FindFault(reconstruction, found, options);
   VerificationEvidence evidence;

@@ -165,6 +165,16 @@ TEST(Split, SparsePhotosMakeOneLargerSubset) {
   EXPECT_EQ(split->subsets.size(), 1u);
 }
 
+TEST(Split, SparseNeighboursShareImagesToo) {
+  const std::vector<SplitImage> images = Street(400, 9);
+  const SplitOptions options;
+  const auto split = SplitExperience(images, {}, options);
+  ASSERT_TRUE(split.ok());
+  ASSERT_GE(split->subsets.size(), 2u);
+  for (const ImageSubset& subset : split->subsets) EXPECT_GE(subset.neighbour.size(), 3u);
+  ExpectLaws(*split, images, {}, options);
+}
+
 TEST(Split, BorrowsFromEveryOtherExperienceAtThePlace) {
   const std::vector<SplitImage> images = Street(40, 1);
   std::vector<ForeignImage> foreign;

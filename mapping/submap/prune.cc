@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/submap/prune.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "mapping/submap/internal/measurements.h"
+
+namespace waymark::mapping {
+namespace {
+
+constexpr double kMinGnssErrorM = 3;  // nearer than this, doubt the receiver rather than the image
+
+using Reasons = std::map<std::uint32_t, std::string>;
+
+void CheckGnss(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
+               const VerificationOptions& options, Reasons& reasons) {
+  if (!reconstruction.is_geo_aligned) return;
+  std::vector<std::uint32_t> known;
+  std::vector<Eigen::Vector3d> offsets;
+  for (std::uint32_t i = 0; i < images.size(); ++i) {
+    const auto& pose = reconstruction.images[i].submap_from_camera;
+    if (!pose || !images[i].gnss_in_submap) continue;
+    known.push_back(i);
+    offsets.push_back(pose->translation() - images[i].gnss_in_submap->coordinates());
+  }
+  if (known.empty()) return;
+  Eigen::Vector3d common;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& offset : offsets) values.push_back(offset[axis]);
+    common[axis] = internal::Median(std::move(values));
+  }
+  for (std::size_t k = 0; k < known.size(); ++k) {
+    const double off_m = (offsets[k] - common).norm();
+    const double sigmas = off_m / images[known[k]].gnss_sigma_m;
+    if (off_m > kMinGnssErrorM && sigmas > options.max_gnss_sigmas) {
+      reasons.try_emplace(known[k],
+                          fmt::format("registered {:.1f} m from its GNSS position, {:.0f} "
+                                      "standard deviations",
+                                      off_m, sigmas));
+    }
+  }
+}
+
+/// How many of an image's tests against its neighbours there are and failed.
+struct Votes {
+  int tests = 0;
+  int failures = 0;
+};
+
+void CondemnByVotes(std::span<const Votes> votes, const std::string& reason, Reasons& reasons) {
+  for (std::uint32_t i = 0; i < votes.size(); ++i) {
+    // Against one neighbour alone it is open which of the two is wrong.
+    if (votes[i].tests >= 2 && votes[i].failures == votes[i].tests) reasons.try_emplace(i, reason);
+  }
+}
+
+void CheckNeighbours(const Reconstruction& reconstruction,
+                     std::span<const VerificationImage> images,
+                     std::span<const MeasuredRotation> rotations,
+                     const VerificationOptions& options, Reasons& reasons) {
+  std::vector<Votes> turned(images.size());
+  for (const auto& check : internal::CompareRotations(reconstruction, rotations, options)) {
+    for (const std::uint32_t image : {check.from, check.to}) {
+      ++turned[image].tests;
+      turned[image].failures += check.value > check.bound;
+    }
+  }
+  CondemnByVotes(turned, "turned against the gyroscope on both sides", reasons);
+  if (!reconstruction.is_geo_aligned) return;
+  std::vector<Votes> displaced(images.size());
+  for (const auto& check : internal::MeasureSpeeds(reconstruction, images, options)) {
+    for (const std::uint32_t image : {check.from, check.to}) {
+      ++displaced[image].tests;
+      displaced[image].failures += check.value > check.bound;
+    }
+  }
+  CondemnByVotes(displaced, "faster than a vehicle on both sides", reasons);
+}
+
+}  // namespace
+
+Result<std::vector<ImplausibleImage>> FindImplausibleImages(
+    const Reconstruction& reconstruction, std::span<const VerificationImage> images,
+    std::span<const MeasuredRotation> rotations, const VerificationOptions& options) {
+  WAYMARK_TRY(options.Validate());
+  WAYMARK_TRY(internal::CheckVerificationInput(reconstruction, images, rotations));
+  Reasons reasons;
+  CheckGnss(reconstruction, images, options, reasons);
+  CheckNeighbours(reconstruction, images, rotations, options, reasons);
+  const auto registered = std::ranges::count_if(
+      reconstruction.images,
+      [](const ReconstructedImage& image) { return image.submap_from_camera.has_value(); });
+  std::vector<ImplausibleImage> found;
+  if (10 * reasons.size() > static_cast<std::size_t>(registered)) return found;
+  for (auto& [image, reason] : reasons) found.push_back({image, std::move(reason)});
+  return found;
+}
+
+void RemoveImages(std::span<const ImplausibleImage> images, Reconstruction& reconstruction) {
+  for (const ImplausibleImage& image : images) {
+    ReconstructedImage& removed = reconstruction.images[image.image];
+    removed.submap_from_camera.reset();
+    removed.exclusion = image.reason;
+  }
+  for (ReconstructedPoint& point : reconstruction.points) {
+    std::erase_if(point.track, [&](const TrackElement& element) {
+      return !reconstruction.images[element.image].submap_from_camera;
+    });
+  }
+  std::erase_if(reconstruction.points,
+                [](const ReconstructedPoint& point) { return point.track.size() < 2; });
+}
+
+}  // namespace waymark::mapping

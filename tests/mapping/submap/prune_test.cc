@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/submap/prune.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/mapping/submap/walk.h"
+
+namespace waymark::mapping {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+struct Walk {
+  Reconstruction found = MakeWalk(40);
+  std::vector<VerificationImage> images = MeasureWalk(found);
+  std::vector<MeasuredRotation> rotations = MeasureRotations(found);
+
+  std::vector<ImplausibleImage> Find() const {
+    return *FindImplausibleImages(found, images, rotations, {});
+  }
+  void Move(std::size_t image, const Eigen::Vector3d& by, const Eigen::Vector3d& turn = {0, 0, 0}) {
+    auto& pose = *found.images[image].submap_from_camera;
+    pose = Transform<Submap, Camera>(RotationFromVector(turn) * pose.rotation(),
+                                     pose.translation() + by);
+  }
+};
+
+TEST(Prune, NamesNobodyInAGoodWalk) { EXPECT_THAT(Walk().Find(), IsEmpty()); }
+
+TEST(Prune, NamesTheImageFarFromItsPosition) {
+  Walk walk;
+  walk.Move(17, {8, 0, 0});
+  const auto found = walk.Find();
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].image, 17u);
+  EXPECT_THAT(found[0].reason, HasSubstr("8.0 m from its GNSS position"));
+}
+
+TEST(Prune, AcceptsAnOffsetThatAllImagesShare) {
+  Walk walk;
+  for (std::size_t i = 0; i < 40; ++i) walk.Move(i, {0, 0, 12});
+  EXPECT_THAT(walk.Find(), IsEmpty());
+}
+
+TEST(Prune, NamesTheImageThatTurnedAgainstBothNeighbours) {
+  Walk walk;
+  walk.Move(20, {0, 0, 0}, {0, 0, 0.3});
+  walk.Move(39, {0, 0, 0}, {0, 0, 0.3});  // the last one: either of the two may be wrong
+  const auto found = walk.Find();
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].image, 20u);
+  EXPECT_THAT(found[0].reason, HasSubstr("gyroscope"));
+}
+
+TEST(Prune, WithoutGnssSpeedStillTells) {
+  Walk walk;
+  for (VerificationImage& image : walk.images) image.gnss_in_submap.reset();
+  walk.Move(20, {0, 0, 30});
+  const auto found = walk.Find();
+  ASSERT_THAT(found, SizeIs(1));
+  EXPECT_EQ(found[0].image, 20u);
+}
+
+TEST(Prune, NamesNobodyWhenTheWholeIsBent) {
+  Walk walk;
+  for (std::size_t i = 0; i < 10; ++i) walk.Move(i, {20, 0, 0});
+  EXPECT_THAT(walk.Find(), IsEmpty());
+}
+
+TEST(Prune, RemovingAnImageRemovesWhatOnlyItSaw) {
+  Walk walk;
+  walk.found.points.resize(2);
+  walk.found.points[0].track = {{16, 0}, {17, 0}};
+  walk.found.points[1].track = {{15, 1}, {16, 1}, {17, 1}};
+  const std::vector<ImplausibleImage> gone{{17, "wrong"}};
+  RemoveImages(gone, walk.found);
+  EXPECT_FALSE(walk.found.images[17].submap_from_camera);
+  EXPECT_EQ(walk.found.images[17].exclusion, "wrong");
+  ASSERT_THAT(walk.found.points, SizeIs(1));
+  EXPECT_THAT(walk.found.points[0].track, SizeIs(2));
+}
+
+}  // namespace
+}  // namespace waymark::mapping
