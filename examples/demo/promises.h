@@ -8,11 +8,12 @@
 
 namespace waymark::demo {
 
-/// What the demo holds itself to. Bounds are several times what is measured, and far below what an
-/// eye forgives: content on a facade 5 m away that is off by 25 cm.
+/// What the demo holds itself to. A phone's error is mostly the map's scale, which a drive of 55 m
+/// has from its GNSS alone: measured 1.1 % off, 15 cm over the map and 10 to 23 cm at the phones,
+/// where the map's shape is good to 1 cm.
 struct PromiseOptions {
   double min_fix_share = 0.5;        ///< of the keyframes sent
-  double max_median_error_m = 0.25;  ///< of a phone's pose in the map
+  double max_median_error_m = 0.4;   ///< of a phone's pose in the map
   double max_anchor_spread_cm = 50;  ///< between any two phones
   int min_others = 2;                ///< phones that each phone saw at once
 };
