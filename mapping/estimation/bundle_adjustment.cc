@@ -6,9 +6,8 @@
 #include <ceres/solver.h>
 #include <omp.h>
 
-#include <array>
+#include <algorithm>
 #include <memory>
-#include <numeric>
 
 #include "mapping/estimation/internal/bundle_costs.h"
 
@@ -16,6 +15,7 @@ namespace waymark::mapping {
 namespace {
 
 using internal::kPoseSize;
+constexpr std::size_t kMaxIntrinsics = 8;
 
 Result<void> CheckIndices(const BundleProblem& problem) {
   for (const BundlePose& pose : problem.poses) {
@@ -54,7 +54,7 @@ class Adjustment {
   BundleSummary Solve() {
     ceres::Solver::Options solver;
     std::size_t free_poses = 0;
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
+    for (std::size_t i = 0; i < bundle_.poses.size(); ++i) {
       free_poses += pose_is_used_[i] && !bundle_.poses[i].hold ? 1 : 0;
     }
     constexpr std::size_t kDenseUpTo = 60;
@@ -62,7 +62,9 @@ class Adjustment {
     solver.linear_solver_ordering = Ordering();
     solver.max_num_iterations = options_.max_iterations;
     solver.function_tolerance = options_.relative_tolerance;
-    solver.num_threads = static_cast<int>(options_.parallelism.ThreadCount());
+    // More than the machine has would make Ceres complain on standard error.
+    const std::size_t cores = Parallelism{0}.ThreadCount();
+    solver.num_threads = static_cast<int>(std::min(options_.parallelism.ThreadCount(), cores));
     solver.logging_type = ceres::SILENT;
     // Our threads are enough: the sparse solver would start a spinning team in each of them.
     omp_set_num_threads(1);
@@ -83,17 +85,16 @@ class Adjustment {
   Result<void> WriteBack() {
     for (std::size_t k = 0; k < bundle_.cameras.size(); ++k) {
       CameraModel& model = bundle_.cameras[k].model;
-      auto refined =
-          CameraModel::Create(model.kind(), model.width_px(), model.height_px(),
-                              std::span(intrinsics_[k]).first(ParameterCount(model.kind())));
+      auto refined = CameraModel::Create(model.kind(), model.width_px(), model.height_px(),
+                                         std::span(CameraBlock(k), ParameterCount(model.kind())));
       if (!refined) {
         return MakeError(ErrorCode::kUnavailable, "bundle: camera {} diverged: {}", k,
                          refined.error().message);
       }
       model = *refined;
     }
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      const auto& p = poses_[i];
+    for (std::size_t i = 0; i < bundle_.poses.size(); ++i) {
+      const double* p = PoseBlock(i);
       bundle_.poses[i].world_from_camera =
           Rigid3(Eigen::Quaterniond(p[3], p[0], p[1], p[2]), Eigen::Vector3d(p[4], p[5], p[6]));
     }
@@ -108,19 +109,26 @@ class Adjustment {
     return options;
   }
 
+  // All in one array, poses first: Ceres orders blocks by address, and the order of arithmetic must
+  // not depend on where memory happens to be.
+  double* PoseBlock(std::size_t i) { return &blocks_[kPoseSize * i]; }
+  double* CameraBlock(std::size_t k) {
+    return &blocks_[kPoseSize * bundle_.poses.size() + kMaxIntrinsics * k];
+  }
+
   void ReadParameters() {
-    for (const BundlePose& pose : bundle_.poses) {
-      const Eigen::Quaterniond& q = pose.world_from_camera.rotation();
-      const Eigen::Vector3d& t = pose.world_from_camera.translation();
-      poses_.push_back({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
+    blocks_.resize(kPoseSize * bundle_.poses.size() + kMaxIntrinsics * bundle_.cameras.size());
+    for (std::size_t i = 0; i < bundle_.poses.size(); ++i) {
+      Eigen::Map<Eigen::Matrix<double, kPoseSize, 1>> block(PoseBlock(i));
+      block << bundle_.poses[i].world_from_camera.rotation().coeffs(),
+          bundle_.poses[i].world_from_camera.translation();
     }
-    for (const BundleCamera& camera : bundle_.cameras) {
-      std::array<double, 8> values{};
-      std::copy(camera.model.parameters().begin(), camera.model.parameters().end(), values.begin());
-      intrinsics_.push_back(values);
+    for (std::size_t k = 0; k < bundle_.cameras.size(); ++k) {
+      const auto parameters = bundle_.cameras[k].model.parameters();
+      std::copy(parameters.begin(), parameters.end(), CameraBlock(k));
     }
-    pose_is_used_.assign(poses_.size(), false);
-    camera_is_used_.assign(intrinsics_.size(), false);
+    pose_is_used_.assign(bundle_.poses.size(), false);
+    camera_is_used_.assign(bundle_.cameras.size(), false);
     point_is_used_.assign(bundle_.points_in_world.size(), false);
   }
 
@@ -129,9 +137,9 @@ class Adjustment {
       const std::uint32_t camera = bundle_.poses[observation.pose].camera;
       auto* cost = new internal::ReprojectionCost(bundle_.cameras[camera].model.kind(),
                                                   observation.pixel_px, options_.pixel_sigma_px);
-      problem_.AddResidualBlock(cost, observation_loss_.get(), poses_[observation.pose].data(),
+      problem_.AddResidualBlock(cost, observation_loss_.get(), PoseBlock(observation.pose),
                                 bundle_.points_in_world[observation.point].data(),
-                                intrinsics_[camera].data());
+                                CameraBlock(camera));
       pose_is_used_[observation.pose] = true;
       point_is_used_[observation.point] = true;
       camera_is_used_[camera] = true;
@@ -139,10 +147,10 @@ class Adjustment {
   }
 
   void AddPosePriors() {
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
+    for (std::size_t i = 0; i < bundle_.poses.size(); ++i) {
       if (!pose_is_used_[i]) continue;
       const BundlePose& pose = bundle_.poses[i];
-      double* block = poses_[i].data();
+      double* block = PoseBlock(i);
       problem_.SetManifold(block, &manifold_);
       if (pose.hold) {
         problem_.SetParameterBlockConstant(block);
@@ -166,12 +174,12 @@ class Adjustment {
   }
 
   void AddIntrinsics() {
-    for (std::size_t k = 0; k < intrinsics_.size(); ++k) {
+    for (std::size_t k = 0; k < bundle_.cameras.size(); ++k) {
       if (!camera_is_used_[k]) continue;
       const BundleCamera& camera = bundle_.cameras[k];
       const CameraKind kind = camera.model.kind();
       const auto count = static_cast<int>(ParameterCount(kind));
-      double* block = intrinsics_[k].data();
+      double* block = CameraBlock(k);
       if (camera.hold) {
         problem_.SetParameterBlockConstant(block);
         continue;
@@ -201,19 +209,18 @@ class Adjustment {
         ordering->AddElementToGroup(bundle_.points_in_world[i].data(), 0);
       }
     }
-    for (std::size_t i = 0; i < poses_.size(); ++i) {
-      if (pose_is_used_[i]) ordering->AddElementToGroup(poses_[i].data(), 1);
+    for (std::size_t i = 0; i < bundle_.poses.size(); ++i) {
+      if (pose_is_used_[i]) ordering->AddElementToGroup(PoseBlock(i), 1);
     }
-    for (std::size_t k = 0; k < intrinsics_.size(); ++k) {
-      if (camera_is_used_[k]) ordering->AddElementToGroup(intrinsics_[k].data(), 1);
+    for (std::size_t k = 0; k < bundle_.cameras.size(); ++k) {
+      if (camera_is_used_[k]) ordering->AddElementToGroup(CameraBlock(k), 1);
     }
     return ordering;
   }
 
   BundleProblem& bundle_;
   const BundleOptions& options_;
-  std::vector<std::array<double, kPoseSize>> poses_;
-  std::vector<std::array<double, 8>> intrinsics_;
+  std::vector<double> blocks_;
   std::vector<bool> pose_is_used_, camera_is_used_, point_is_used_;
   internal::PerturbManifold manifold_;
   std::vector<std::unique_ptr<ceres::SubsetManifold>> subsets_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/sfm/internal/focal_guess.h"
 #include "mapping/sfm/internal/growth.h"
 #include "mapping/sfm/internal/points.h"
 #include "mapping/sfm/internal/tracks.h"
@@ -151,13 +152,15 @@ Result<Reconstruction> ReconstructIncrementally(std::span<const SfmCamera> camer
   WAYMARK_TRY(options.Validate());
   WAYMARK_TRY(CheckInput(cameras, images, matches));
   if (progress) progress("verifying pairs", 0);
-  const ViewGraph graph = internal::VerifyPairs(cameras, images, matches, options);
+  const std::vector<SfmCamera> guessed =
+      internal::ImproveFocalGuesses(cameras, images, matches, options);
+  const ViewGraph graph = internal::VerifyPairs(guessed, images, matches, options);
   if (graph.pairs.empty()) {
     return MakeError(ErrorCode::kNotFound,
                      "reconstruction: none of {} pairs of {} images has {} matches that agree",
                      matches.size(), images.size(), options.min_pair_inliers);
   }
-  const Model empty = EmptyModel(cameras, images, graph);
+  const Model empty = EmptyModel(guessed, images, graph);
   WAYMARK_TRY_ASSIGN(GrownModel grown, GrowLargest(empty, graph, options, progress));
   internal::NormaliseGauge(grown.model, grown.gauge);
   return Extract(grown, graph, options);

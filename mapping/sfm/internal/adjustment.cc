@@ -16,6 +16,7 @@ constexpr double kGnssCorrelation = 3;
 // Intrinsics move only once a camera has this many images; fewer cannot tell focal length from
 // depth.
 constexpr std::size_t kMinImagesToRefineCamera = 3;
+constexpr std::size_t kMinImagesToRefineLens = 10;  // nor focal length from distortion
 
 enum class Scope { kGlobal, kLocal };
 
@@ -86,11 +87,13 @@ class BundleBuilder {
       const SfmCamera& input = model_.input_cameras()[k];
       const bool refine = scope_ == Scope::kGlobal && options_.refine_intrinsics && input.refine &&
                           image_counts[k] >= kMinImagesToRefineCamera;
+      const bool lens_is_observable = image_counts[k] >= kMinImagesToRefineLens;
+      const double lens_sigma = input.has_known_focal ? 0.02 : 0.1;
       bundle_.cameras.push_back({.model = model_.camera(k),
                                  .hold = !refine,
                                  .initial = input.model,
-                                 .focal_sigma_share = input.has_known_focal ? 0.01 : 0.5,
-                                 .lens_sigma = input.has_known_focal ? 0.02 : 0.2});
+                                 .focal_sigma_share = input.has_known_focal ? 0.01 : 0.3,
+                                 .lens_sigma = (lens_is_observable ? 1 : 0.03) * lens_sigma});
     }
   }
 

@@ -6,6 +6,7 @@
 
 #include "mapping/base/log.h"
 #include "mapping/estimation/absolute_pose.h"
+#include "mapping/sfm/internal/focal_guess.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -66,15 +67,6 @@ std::string Doubt(const AbsolutePose& pose, std::size_t match_count, const SfmIm
   return {};
 }
 
-CameraModel WithScaledFocal(const CameraModel& camera, double factor) {
-  std::vector<double> parameters(camera.parameters().begin(), camera.parameters().end());
-  parameters[0] *= factor;
-  if (camera.kind() == CameraKind::kPinhole || camera.kind() == CameraKind::kOpenCv) {
-    parameters[1] *= factor;
-  }
-  return *CameraModel::Create(camera.kind(), camera.width_px(), camera.height_px(), parameters);
-}
-
 }  // namespace
 
 Registrar::Registrar(const Model& model, const SfmOptions& options)
@@ -123,6 +115,7 @@ bool Registrar::TryRegister(Model& model, std::uint32_t image, const GaugeState&
     doubt = Doubt(*best, matches.points.size(), model.images()[image], gauge);
   }
   if (!doubt.empty()) {
+    LogDebug("image {}: {}", image, doubt);
     Reject(model, image, std::move(doubt));
     return false;
   }
