@@ -92,6 +92,10 @@ Result<std::optional<Release>> LoadParent(const MapDirectory& map) {
   return std::optional<Release>(std::move(release));
 }
 
+bool HoldSameSubmaps(const Release& a, const Release& b) {
+  return std::ranges::equal(a.submaps, b.submaps, {}, &ReleasedSubmap::id, &ReleasedSubmap::id);
+}
+
 }  // namespace
 
 Sim3 MapFromEnu(const TangentPlane& map, const GeoPoint& origin) {
@@ -132,7 +136,7 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
   }
   WAYMARK_TRY_ASSIGN(const Fusion fusion, FuseSubmaps(inputs, options));
 
-  NewRelease result{.epoch = 1, .unplaced = {}};
+  NewRelease result{.epoch = {}, .unplaced = {}};
   Release release{.epoch = 1,
                   .parent_epoch = parent ? std::optional(parent->epoch) : std::nullopt,
                   .created_utc = std::string(created_utc),
@@ -151,6 +155,7 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
     return MakeError(ErrorCode::kNotFound, "none of {} submaps has a place in the map",
                      submaps.size());
   }
+  if (parent && HoldSameSubmaps(*parent, release)) return result;
   WAYMARK_TRY_ASSIGN(const auto epochs, map.ListReleaseEpochs());
   if (!epochs.empty()) release.epoch = epochs.back() + 1;
   WAYMARK_TRY(map.StoreRelease(release));

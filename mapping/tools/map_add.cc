@@ -96,8 +96,9 @@ int PrintReport(const AddReport& report, bool plan_only) {
         id.text());
   }
   if (!report.epoch) {
-    if (!plan_only && !report.rejected.empty()) fmt::print("the map is as it was\n");
-    return report.rejected.empty() ? kDone : kNothingAccepted;
+    const bool failed = !report.rejected.empty() || !report.unplaced.empty();
+    if (failed && !plan_only) fmt::print("the map is as it was\n");
+    return failed ? kNothingAccepted : kDone;
   }
   fmt::print("epoch {} is live{}; shared images agree to {:.3f} m rms", *report.epoch,
              report.is_geo_aligned ? "" : " in a local frame, because there was no GNSS",
