@@ -7,7 +7,7 @@
 
 #include "mapping/base/log.h"
 #include "session/server/publisher.h"
-#include "session/server/store_worker.h"
+#include "session/server/store_workers.h"
 #include "session/wire/inbox.h"
 #include "session/wire/server_bus.h"
 
@@ -188,7 +188,7 @@ class Server::Loop {
   Inbox<Item> inbox_;
   SessionState state_;       // owned by the loop
   ServerCounters counters_;  // owned by the loop
-  StoreWorker store_;
+  StoreWorkers store_;
   LocalisePool pool_;
   std::unique_ptr<wire::ServerBus> bus_;
   std::optional<Publisher> publisher_;  // owned by the loop

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "session/server/store_worker.h"
+#include "session/server/store_workers.h"
 
 #include <chrono>
 
@@ -14,49 +14,59 @@ std::int64_t UtcMilliseconds() {
       .count();
 }
 
+/// Tasks with equal keys stay in order.
+const std::string& OrderKey(const StoreWorkers::Task& task) {
+  const auto* write = std::get_if<effect::WriteAnchor>(&task);
+  return write != nullptr ? write->record.id.text() : std::get<effect::LoadRoom>(task).room.text();
+}
+
 }  // namespace
 
-StoreWorker::StoreWorker(std::unique_ptr<content::AnchorStore> store,
-                         const mapping::Release& release, const GeoPoint& map_origin,
-                         std::function<void(Event)> report)
+StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store,
+                           const mapping::Release& release, const GeoPoint& map_origin,
+                           std::function<void(Event)> report)
     : store_(std::move(store)),
       release_(release),
       map_plane_(map_origin),
-      report_(std::move(report)),
-      thread_([this] { Work(); }) {}
-
-StoreWorker::~StoreWorker() { Finish(); }
-
-void StoreWorker::Submit(Task task) {
-  const std::lock_guard lock(mutex_);
-  if (is_finishing_) return;
-  tasks_.push_back(std::move(task));
-  changed_.notify_one();
+      report_(std::move(report)) {
+  for (Worker& worker : workers_) worker.thread = std::thread([&] { Work(worker); });
 }
 
-void StoreWorker::Finish() {
+StoreWorkers::~StoreWorkers() { Finish(); }
+
+void StoreWorkers::Submit(Task task) {
+  Worker& worker = workers_[std::hash<std::string>{}(OrderKey(task)) % kWorkers];
+  const std::lock_guard lock(mutex_);
+  if (is_finishing_) return;
+  worker.tasks.push_back(std::move(task));
+  worker.changed.notify_one();
+}
+
+void StoreWorkers::Finish() {
   {
     const std::lock_guard lock(mutex_);
     is_finishing_ = true;
   }
-  changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  for (Worker& worker : workers_) {
+    worker.changed.notify_one();
+    if (worker.thread.joinable()) worker.thread.join();
+  }
 }
 
-void StoreWorker::Work() {
+void StoreWorkers::Work(Worker& worker) {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return !tasks_.empty() || is_finishing_; });
-    if (tasks_.empty()) return;
-    const Task task = std::move(tasks_.front());
-    tasks_.pop_front();
+    worker.changed.wait(lock, [&] { return !worker.tasks.empty() || is_finishing_; });
+    if (worker.tasks.empty()) return;
+    const Task task = std::move(worker.tasks.front());
+    worker.tasks.pop_front();
     lock.unlock();
     report_(std::visit([this](const auto& wanted) { return Do(wanted); }, task));
     lock.lock();
   }
 }
 
-Event StoreWorker::Do(const effect::LoadRoom& task) {
+Event StoreWorkers::Do(const effect::LoadRoom& task) {
   const Result<content::RoomSnapshot> snapshot = store_->LoadRoom(task.room);
   if (!snapshot.ok()) return event::RoomLoaded{task.room, snapshot.error(), {}};
   event::RoomLoaded loaded{task.room, snapshot->revision, {}};
@@ -66,7 +76,7 @@ Event StoreWorker::Do(const effect::LoadRoom& task) {
   return loaded;
 }
 
-Event StoreWorker::Do(const effect::WriteAnchor& task) {
+Event StoreWorkers::Do(const effect::WriteAnchor& task) {
   Result<content::WriteOutcome> outcome = Write(task);
   if (!outcome.ok()) return event::WriteFinished{task.write, outcome.error()};
   if (const auto* record = std::get_if<content::AnchorRecord>(&*outcome)) {
@@ -80,7 +90,7 @@ Event StoreWorker::Do(const effect::WriteAnchor& task) {
   return event::WriteFinished{task.write, std::move(conflict)};
 }
 
-Result<content::WriteOutcome> StoreWorker::Write(const effect::WriteAnchor& task) {
+Result<content::WriteOutcome> StoreWorkers::Write(const effect::WriteAnchor& task) {
   if (task.operation == AnchorOperation::kDelete) {
     return store_->Delete(task.record.room, task.record.id, task.expected_revision);
   }

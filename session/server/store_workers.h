@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <variant>
+
+#include "content_store/anchor_store.h"
+#include "mapping/geometry/geodesy.h"
+#include "mapping/store/release.h"
+#include "session/state/events.h"
+
+namespace waymark::session {
+
+/// Does the state's store work on threads of its own: a sync to disk must not hold up the poses,
+/// and writes at the same moment share one. What concerns the same anchor stays in order. Knows the
+/// release, so that anchors are attached to submaps when written and carried to the live epoch when
+/// read. Thread-safe.
+class StoreWorkers {
+ public:
+  using Task = std::variant<effect::LoadRoom, effect::WriteAnchor>;
+
+  /// `report` gets RoomLoaded or WriteFinished for each task, on a worker's thread.
+  StoreWorkers(std::unique_ptr<content::AnchorStore> store, const mapping::Release& release,
+               const GeoPoint& map_origin, std::function<void(Event)> report);
+  StoreWorkers(const StoreWorkers&) = delete;
+  StoreWorkers& operator=(const StoreWorkers&) = delete;
+  ~StoreWorkers();  ///< after Finish
+
+  void Submit(Task task);
+  /// Takes no more, does what was submitted, and returns when all of it is reported.
+  void Finish();
+
+ private:
+  struct Worker {
+    std::condition_variable changed;
+    std::deque<Task> tasks;
+    std::thread thread;
+  };
+
+  static constexpr std::size_t kWorkers = 4;
+
+  void Work(Worker& worker);
+  Event Do(const effect::LoadRoom& task);
+  Event Do(const effect::WriteAnchor& task);
+  Result<content::WriteOutcome> Write(const effect::WriteAnchor& task);
+
+  const std::unique_ptr<content::AnchorStore> store_;
+  const mapping::Release release_;
+  const TangentPlane map_plane_;
+  const std::function<void(Event)> report_;
+  std::mutex mutex_;
+  std::array<Worker, kWorkers> workers_;  // their tasks are guarded by mutex_
+  bool is_finishing_ = false;             // guarded by mutex_
+};
+
+}  // namespace waymark::session
