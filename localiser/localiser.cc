@@ -96,6 +96,11 @@ Result<void> LocaliserOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument,
                      "localiser options: expected max_error_px > 0, found {}", max_error_px);
   }
+  if (!(focal_sigma_share >= 0 && focal_sigma_share < 1)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localiser options: expected focal_sigma_share in [0, 1), found {}",
+                     focal_sigma_share);
+  }
   if (!(max_ratio > 0 && max_ratio <= 1)) {
     return MakeError(ErrorCode::kInvalidArgument,
                      "localiser options: expected max_ratio in (0, 1], found {}", max_ratio);

@@ -78,6 +78,8 @@ struct LocaliserOptions {
   mapping::FeatureOptions features{.max_features = 2000, .max_image_side_px = 1600};
   int min_inliers = 15;     ///< fewer is no pose; 15 keeps chance agreement below 1 in 10^4
   double max_error_px = 6;  ///< reprojection error of an inlier
+  /// Doubt about a request's focal length: where the matches contradict it, another is taken.
+  double focal_sigma_share = 0.05;
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
   Angle max_gravity_error = Angle::Degrees(8);  ///< phones and submaps are each good to 1 or 2
   std::uint64_t seed = 1;

@@ -80,10 +80,12 @@ SubmapAnswer SubmapLocaliser::EstimatePose(const mapping::ImageFeatures& feature
     points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
     quality.push_back(1 - match.ratio);
   }
-  auto estimated = mapping::EstimateAbsolutePose(camera, pixels_px, points_in_submap, quality,
-                                                 {.max_error_px = options_.max_error_px,
-                                                  .min_inliers = options_.min_inliers,
-                                                  .seed = options_.seed});
+  auto estimated = mapping::EstimateAbsolutePose(
+      camera, pixels_px, points_in_submap, quality,
+      {.max_error_px = options_.max_error_px,
+       .min_inliers = options_.min_inliers,
+       .focal_sigma_share = options_.focal_sigma_share,
+       .seed = options_.seed});
   if (!estimated) {
     answer.refusal = ToString(estimated.error());
     return answer;

@@ -83,11 +83,16 @@ class PoseFromMatches {
 
   void CollectInliers(const Rigid3& world_from_camera, double bound,
                       std::vector<std::uint32_t>& inliers) const {
+    CollectInliers(camera_, world_from_camera, bound, inliers);
+  }
+
+  void CollectInliers(const CameraModel& camera, const Rigid3& world_from_camera, double bound,
+                      std::vector<std::uint32_t>& inliers) const {
     inliers.clear();
     const Rigid3 camera_from_world = world_from_camera.Inverse();
     const double max_squared = bound * max_error_px_ * max_error_px_;
     for (std::size_t i = 0; i < size(); ++i) {
-      const auto pixel_px = camera_.Project(camera_from_world * points_in_world_[i]);
+      const auto pixel_px = camera.Project(camera_from_world * points_in_world_[i]);
       if (pixel_px && (*pixel_px - pixels_px_[i]).squaredNorm() < max_squared) {
         inliers.push_back(static_cast<std::uint32_t>(i));
       }
@@ -133,16 +138,41 @@ double MedianError(const CameraModel& camera, std::span<const Eigen::Vector2d> p
 // Below this no feature detector localises; it keeps a lucky handful of matches from claiming
 // an exact pose.
 constexpr double kMinPixelSigma = 0.25;
+constexpr int kRefinementRounds = 4;
+constexpr double kMedianLengthOfUnitSigma = 1.177;  // of two normal components
+constexpr double kHuberSigmas = 1.345;              // 95 % efficiency
+
+// Another focal length is taken only where it explains the matches much better: by its freedom
+// alone it would triple the error of the pose. On 105 simulated views with exact intrinsics it
+// explained at most 4 % of the squares; on 25 real ones stated 2.5 % wrong, at least 75 %.
+std::optional<RefinedPose> RefineWithDoubtfulFocal(const CameraModel& camera,
+                                                   std::span<const Eigen::Vector2d> pixels_px,
+                                                   std::span<const Eigen::Vector3d> points_in_world,
+                                                   std::span<const std::uint32_t> inliers,
+                                                   const Rigid3& world_from_camera, double sigma_px,
+                                                   double focal_sigma_share) {
+  constexpr double kMuchBetter = 0.8;
+  PoseRefinementOptions options{.huber_px = kHuberSigmas * sigma_px, .pixel_sigma_px = sigma_px};
+  const auto stated =
+      RefinePose(camera, pixels_px, points_in_world, inliers, world_from_camera, options);
+  if (!stated || focal_sigma_share == 0) return stated;
+  options.focal_sigma_share = focal_sigma_share;
+  const auto free =
+      RefinePose(camera, pixels_px, points_in_world, inliers, stated->world_from_camera, options);
+  if (!free || free->weighted_squares > kMuchBetter * stated->weighted_squares) return stated;
+  return free;
+}
 
 }  // namespace
 
 Result<void> AbsolutePoseOptions::Validate() const {
   if (!(max_error_px > 0) || min_inliers < 4 || !(confidence > 0 && confidence < 1) ||
-      max_iterations < 1) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "absolute pose: expected max_error_px > 0, min_inliers >= 4, confidence in "
-                     "(0, 1), max_iterations >= 1; found {}, {}, {}, {}",
-                     max_error_px, min_inliers, confidence, max_iterations);
+      max_iterations < 1 || !(focal_sigma_share >= 0)) {
+    return MakeError(
+        ErrorCode::kInvalidArgument,
+        "absolute pose: expected max_error_px > 0, min_inliers >= 4, confidence in "
+        "(0, 1), max_iterations >= 1, focal_sigma_share >= 0; found {}, {}, {}, {}, {}",
+        max_error_px, min_inliers, confidence, max_iterations, focal_sigma_share);
   }
   return {};
 }
@@ -173,27 +203,29 @@ Result<std::optional<AbsolutePose>> EstimateAbsolutePose(
                     .inliers = fit->inliers,
                     .covariance = {},
                     .iterations = fit->iterations};
+  CameraModel refined_camera = camera;
   std::optional<RefinedPose> refined;
-  for (int round = 0; round < 3; ++round) {
-    // 1.345 sigma is Huber's 95 % efficiency; a median length of 1.177 sigma for two axes.
-    const double sigma_px = std::max(
-        kMinPixelSigma,
-        MedianError(camera, pixels_px, points_in_world, pose.inliers, pose.world_from_camera) /
-            1.177);
-    refined = RefinePose(camera, pixels_px, points_in_world, pose.inliers, pose.world_from_camera,
-                         {.huber_px = 1.345 * sigma_px});
+  for (int round = 0; round < kRefinementRounds; ++round) {
+    const double sigma_px =
+        std::max(kMinPixelSigma, MedianError(refined_camera, pixels_px, points_in_world,
+                                             pose.inliers, pose.world_from_camera) /
+                                     kMedianLengthOfUnitSigma);
+    refined = RefineWithDoubtfulFocal(camera, pixels_px, points_in_world, pose.inliers,
+                                      pose.world_from_camera, sigma_px, options.focal_sigma_share);
     if (!refined) return none;
     pose.world_from_camera = refined->world_from_camera;
+    pose.focal_factor = refined->focal_factor;
+    refined_camera = camera.WithScaledFocal(pose.focal_factor);
     const std::vector<std::uint32_t> before = pose.inliers;
-    problem.CollectInliers(pose.world_from_camera, 1.0, pose.inliers);
+    problem.CollectInliers(refined_camera, pose.world_from_camera, 1.0, pose.inliers);
     if (pose.inliers.size() < static_cast<std::size_t>(options.min_inliers)) return none;
     if (pose.inliers == before) break;
   }
   const Rigid3 camera_from_world = pose.world_from_camera.Inverse();
   double squares = 0;
   for (std::uint32_t i : pose.inliers) {
-    squares +=
-        (*camera.Project(camera_from_world * points_in_world[i]) - pixels_px[i]).squaredNorm();
+    squares += (*refined_camera.Project(camera_from_world * points_in_world[i]) - pixels_px[i])
+                   .squaredNorm();
   }
   const auto count = static_cast<double>(pose.inliers.size());
   pose.rms_px = std::sqrt(squares / count);

@@ -19,6 +19,7 @@ struct AbsolutePoseOptions {
   int min_inliers = 12;        ///< fewer is "no pose"
   double confidence = 0.9999;  ///< that an all-inlier sample was drawn, (0, 1)
   int max_iterations = 10000;
+  double focal_sigma_share = 0;  ///< doubt about the camera's focal length, relative; 0: exact
   std::uint64_t seed = 1;
 
   Result<void> Validate() const;
@@ -27,6 +28,7 @@ struct AbsolutePoseOptions {
 /// A pose with its evidence. "World" is whatever frame the points are in.
 struct AbsolutePose {
   Rigid3 world_from_camera;
+  double focal_factor = 1;                 ///< on the camera's focal length: 1 when it is exact
   std::vector<std::uint32_t> inliers;      ///< indices of the correspondences, ascending
   double rms_px = 0;                       ///< over the inliers
   Eigen::Matrix<double, 6, 6> covariance;  ///< of Perturb's delta in the world frame
@@ -34,9 +36,10 @@ struct AbsolutePose {
 };
 
 /// Estimates where a camera stood from 2D-3D matches: P3P inside a locally optimised robust loop,
-/// then robust refinement over all inliers. nullopt: no pose has enough inliers.
-/// Frames:  points and result in one world frame
-/// Shapes:  pixels_px and points_in_world have equal length; `quality` too, or is empty: higher
+/// then robust refinement over all inliers, of the focal length too where it is in
+/// doubt and the matches contradict it. nullopt:
+/// no pose has enough inliers. Frames:  points and result in one world frame Shapes:  pixels_px and
+/// points_in_world have equal length; `quality` too, or is empty: higher
 ///          is tried first (progressive sampling)
 /// Errors:  InvalidArgument if lengths differ
 /// Source:  OpenGV's P3P (Kneip, CVPR 2011) as minimal solver

@@ -80,6 +80,14 @@ Eigen::Vector2d CameraModel::PrincipalPoint() const {
   return {parameters_[first], parameters_[first + 1]};
 }
 
+CameraModel CameraModel::WithScaledFocal(double factor) const {
+  CHECK(factor > 0, "a focal length times {}", factor);
+  CameraModel scaled = *this;
+  scaled.parameters_[0] *= factor;
+  if (HasTwoFocals(kind_)) scaled.parameters_[1] *= factor;
+  return scaled;
+}
+
 std::optional<Eigen::Vector2d> CameraModel::Project(const Eigen::Vector3d& x_in_camera) const {
   if (!(x_in_camera.z() > 0)) return std::nullopt;
   const Eigen::Vector2d normalized = x_in_camera.head<2>() / x_in_camera.z();

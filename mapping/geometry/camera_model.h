@@ -45,6 +45,8 @@ class CameraModel {
   double FocalX() const { return parameters_[0]; }
   double FocalY() const;
   Eigen::Vector2d PrincipalPoint() const;
+  /// The same lens with its focal lengths multiplied; the factor is positive.
+  CameraModel WithScaledFocal(double factor) const;
 
   /// The pixel that sees a direction; nothing for points at or behind the camera (z <= 0).
   std::optional<Eigen::Vector2d> Project(const Eigen::Vector3d& x_in_camera) const;

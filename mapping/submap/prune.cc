@@ -16,32 +16,63 @@ constexpr double kMinGnssErrorM = 3;  // nearer than this, doubt the receiver ra
 
 using Reasons = std::map<std::uint32_t, std::string>;
 
-void CheckGnss(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
-               const VerificationOptions& options, Reasons& reasons) {
-  if (!reconstruction.is_geo_aligned) return;
-  std::vector<std::uint32_t> known;
+/// How far a registered image is from its GNSS position, once what is common to all of them is
+/// taken out.
+struct GnssDistance {
+  std::uint32_t image;
+  Eigen::Vector3d gnss_in_submap;
+  double metres;
+};
+
+std::vector<GnssDistance> MeasureGnss(const Reconstruction& reconstruction,
+                                      std::span<const VerificationImage> images) {
+  std::vector<GnssDistance> distances;
   std::vector<Eigen::Vector3d> offsets;
   for (std::uint32_t i = 0; i < images.size(); ++i) {
     const auto& pose = reconstruction.images[i].submap_from_camera;
     if (!pose || !images[i].gnss_in_submap) continue;
-    known.push_back(i);
+    distances.push_back({i, images[i].gnss_in_submap->coordinates(), 0});
     offsets.push_back(pose->translation() - images[i].gnss_in_submap->coordinates());
   }
-  if (known.empty()) return;
+  if (offsets.empty()) return distances;
   Eigen::Vector3d common;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const Eigen::Vector3d& offset : offsets) values.push_back(offset[axis]);
     common[axis] = internal::Median(std::move(values));
   }
-  for (std::size_t k = 0; k < known.size(); ++k) {
-    const double off_m = (offsets[k] - common).norm();
-    const double sigmas = off_m / images[known[k]].gnss_sigma_m;
-    if (off_m > kMinGnssErrorM && sigmas > options.max_gnss_sigmas) {
-      reasons.try_emplace(known[k],
+  for (std::size_t k = 0; k < offsets.size(); ++k)
+    distances[k].metres = (offsets[k] - common).norm();
+  return distances;
+}
+
+// Where those around it are off too, the whole is bent, or GNSS is.
+bool StandsAlone(const GnssDistance& suspect, std::vector<GnssDistance> others) {
+  constexpr std::size_t kNeighbours = 2;
+  constexpr double kMuchNearer = 0.5;
+  std::erase_if(others, [&](const GnssDistance& other) { return other.image == suspect.image; });
+  if (others.size() < kNeighbours) return false;
+  const auto from_suspect = [&](const GnssDistance& other) {
+    return (other.gnss_in_submap - suspect.gnss_in_submap).norm();
+  };
+  std::ranges::partial_sort(others, others.begin() + kNeighbours, {}, from_suspect);
+  return std::ranges::all_of(std::span(others).first(kNeighbours), [&](const GnssDistance& other) {
+    return other.metres < kMuchNearer * suspect.metres;
+  });
+}
+
+void CheckGnss(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
+               const VerificationOptions& options, Reasons& reasons) {
+  if (!reconstruction.is_geo_aligned) return;
+  const std::vector<GnssDistance> distances = MeasureGnss(reconstruction, images);
+  for (const GnssDistance& one : distances) {
+    const double sigmas = one.metres / images[one.image].gnss_sigma_m;
+    if (one.metres > kMinGnssErrorM && sigmas > options.max_gnss_sigmas &&
+        StandsAlone(one, distances)) {
+      reasons.try_emplace(one.image,
                           fmt::format("registered {:.1f} m from its GNSS position, {:.0f} "
                                       "standard deviations",
-                                      off_m, sigmas));
+                                      one.metres, sigmas));
     }
   }
 }

@@ -66,15 +66,6 @@ std::size_t CountInliers(const CameraModel& camera, const PairMatches& pair,
 
 }  // namespace
 
-CameraModel WithScaledFocal(const CameraModel& camera, double factor) {
-  std::vector<double> parameters(camera.parameters().begin(), camera.parameters().end());
-  parameters[0] *= factor;
-  if (camera.kind() == CameraKind::kPinhole || camera.kind() == CameraKind::kOpenCv) {
-    parameters[1] *= factor;
-  }
-  return *CameraModel::Create(camera.kind(), camera.width_px(), camera.height_px(), parameters);
-}
-
 std::vector<SfmCamera> ImproveFocalGuesses(std::span<const SfmCamera> cameras,
                                            std::span<const SfmImage> images,
                                            std::span<const PairMatches> matches,
@@ -90,7 +81,7 @@ std::vector<SfmCamera> ImproveFocalGuesses(std::span<const SfmCamera> cameras,
     ParallelFor(pairs.size() * kFactors.size(), options.parallelism, [&](std::size_t job) {
       const std::size_t factor = job / pairs.size();
       const std::size_t pair = job % pairs.size();
-      inliers[factor][pair] = CountInliers(WithScaledFocal(cameras[k].model, kFactors[factor]),
+      inliers[factor][pair] = CountInliers(cameras[k].model.WithScaledFocal(kFactors[factor]),
                                            *pairs[pair], images, options);
     });
     std::array<double, kFactors.size()> counts{};
@@ -103,7 +94,7 @@ std::vector<SfmCamera> ImproveFocalGuesses(std::span<const SfmCamera> cameras,
         counts.begin());
     LogDebug("camera {}: focal guess times {} explains {} matches of {} pairs", k, kFactors[best],
              counts[best], pairs.size());
-    improved[k].model = WithScaledFocal(cameras[k].model, kFactors[best]);
+    improved[k].model = cameras[k].model.WithScaledFocal(kFactors[best]);
   }
   return improved;
 }

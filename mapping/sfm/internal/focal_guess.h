@@ -8,9 +8,6 @@
 
 namespace waymark::mapping::internal {
 
-/// A camera with both focal lengths multiplied.
-CameraModel WithScaledFocal(const CameraModel& camera, double factor);
-
 /// Replaces guessed focal lengths by better guesses: of half to twice the guess, the one under
 /// which most matches between the camera's own images agree tightly. Ties go to the nearest.
 /// Without it a guess that is a quarter off loses most pairs of a turning camera.

@@ -6,7 +6,6 @@
 
 #include "mapping/base/log.h"
 #include "mapping/estimation/absolute_pose.h"
-#include "mapping/sfm/internal/focal_guess.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -97,7 +96,7 @@ bool Registrar::TryRegister(Model& model, std::uint32_t image, const GaugeState&
   CameraModel best_camera = model.camera(camera);
   for (const double factor : kFocalFactors) {
     if (factor != 1 && !sweep) break;
-    const CameraModel candidate = WithScaledFocal(model.camera(camera), factor);
+    const CameraModel candidate = model.camera(camera).WithScaledFocal(factor);
     auto pose = EstimateAbsolutePose(candidate, matches.pixels_px, matches.points, matches.quality,
                                      {.max_error_px = kErrorFactor * options_.max_reprojection_px,
                                       .min_inliers = std::max(options_.min_pair_inliers, 4),

@@ -85,6 +85,29 @@ TEST_P(AbsolutePoseWithOutliers, FindsThePose) {
 
 INSTANTIATE_TEST_SUITE_P(InlierShare, AbsolutePoseWithOutliers, testing::Values(0.1, 0.3, 0.7));
 
+TEST(AbsolutePose, FindsAnotherFocalLengthWhereMatchesContradictTheStatedOne) {
+  Scene scene = MakeScene(3, 400, 0.7, 0.5);
+  scene.camera = scene.camera.WithScaledFocal(1.03);
+  const auto believed = Estimate(scene);
+  const auto doubted = Estimate(scene, {.focal_sigma_share = 0.05});
+  ASSERT_TRUE(believed && doubted);
+  EXPECT_NEAR(doubted->focal_factor, 1 / 1.03, 0.001);
+  EXPECT_LT(
+      (doubted->world_from_camera.translation() - scene.world_from_camera.translation()).norm(),
+      0.03);
+  EXPECT_EQ(believed->focal_factor, 1);
+  EXPECT_GT(doubted->inliers.size(), believed->inliers.size());
+}
+
+TEST(AbsolutePose, KeepsAnExactFocalLengthInDoubt) {
+  const Scene scene = MakeScene(4, 400, 0.7, 0.5);
+  const auto believed = Estimate(scene);
+  const auto doubted = Estimate(scene, {.focal_sigma_share = 0.05});
+  ASSERT_TRUE(believed && doubted);
+  EXPECT_EQ(doubted->focal_factor, 1);
+  EXPECT_EQ(Difference(doubted->world_from_camera, believed->world_from_camera).norm(), 0);
+}
+
 TEST(AbsolutePose, FindsOutliersWithoutQuality) {
   Scene scene = MakeScene(5, 200, 0.2, 0.5);
   scene.quality.clear();

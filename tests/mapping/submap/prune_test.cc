@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <array>
+
 #include "tests/mapping/submap/walk.h"
 
 namespace waymark::mapping {
@@ -66,6 +68,13 @@ TEST(Prune, WithoutGnssSpeedStillTells) {
 TEST(Prune, NamesNobodyWhenTheWholeIsBent) {
   Walk walk;
   for (std::size_t i = 0; i < 10; ++i) walk.Move(i, {20, 0, 0});
+  EXPECT_THAT(walk.Find(), IsEmpty());
+}
+
+TEST(Prune, NamesNobodyAtABentEnd) {
+  Walk walk;
+  const std::array bend_m{1.2, 2.4, 3.9, 5.7, 7.8};
+  for (std::size_t k = 0; k < bend_m.size(); ++k) walk.Move(35 + k, {0, 0, bend_m[k]});
   EXPECT_THAT(walk.Find(), IsEmpty());
 }
 
