@@ -117,7 +117,7 @@ std::string DescribeChecks(const Reconstruction& reconstruction, const Findings&
               : std::string("; no gyroscope");
   if (!reconstruction.is_geo_aligned) return text + "; not geo-aligned";
   text += found.gravity_rad.empty()
-              ? std::string("; no accelerometer")
+              ? std::string("; gravity unknown")
               : fmt::format("; gravity {:.4f} rad (median)", Median(found.gravity_rad));
   if (!found.gnss_m.empty()) text += fmt::format("; GNSS {:.2f} m (median)", Median(found.gnss_m));
   return text;

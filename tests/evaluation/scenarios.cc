@@ -138,11 +138,12 @@ Result<Finding> JudgeDrive(const Workplace& place, const std::string& data, cons
   WAYMARK_TRY_ASSIGN(const auto poses, LoadMapPoses(map));
   WAYMARK_TRY_ASSIGN(const auto errors, AlignAndCompare(poses.map_from_camera, truth));
   WAYMARK_TRY_ASSIGN(const double geo_m, MedianGeoError(map, poses, truth));
-  WAYMARK_TRY_ASSIGN([[maybe_unused]] const double bias_m, GnssBias(place, data, truth));
+  WAYMARK_TRY_ASSIGN(const double bias_m, GnssBias(place, data, truth));
   const double percent = 100 * errors.mean_m / errors.path_m;
   return Finding{
-      fmt::format("{}/{} in {} submaps, {:.2f} % of {:.0f} m, raw {:.2f} m", errors.common,
-                  truth.size(), poses.submaps, percent, errors.path_m, geo_m),
+      fmt::format("{}/{} in {} submaps, {:.2f} % of {:.0f} m, raw {:.1f} m (GNSS {:.1f})",
+                  errors.common, truth.size(), poses.submaps, percent, errors.path_m, geo_m,
+                  bias_m),
       "51/51, <= 0.5 %", errors.common == truth.size() && percent <= 0.5};
 }
 
