@@ -51,7 +51,7 @@ class MapDirectory {
 
   /// The live epoch; nullopt before the first release.
   Result<std::optional<std::uint64_t>> LoadCurrentEpoch() const;
-  /// All epochs that were ever stored, ascending.
+  /// All epochs that are stored, ascending.
   Result<std::vector<std::uint64_t>> ListReleaseEpochs() const;
   Result<Release> LoadRelease(std::uint64_t epoch) const;
   /// NotFound before the first release.
@@ -66,6 +66,21 @@ class MapDirectory {
   /// Makes an existing release the live one. Atomic; an older epoch rolls back.
   /// Errors: NotFound when the release or one of its submaps is not there.
   Result<void> Deploy(std::uint64_t epoch) const;
+
+  /// All submap files, sorted, whether a release holds them or not.
+  Result<std::vector<SubmapId>> ListSubmaps() const;
+  /// Every folder of an experience, finished or not, sorted.
+  Result<std::vector<ExperienceId>> ListExperiences() const;
+
+  /// Deletes, durably before they return; what is not there is no error. The caller holds the lock
+  /// and knows that nothing refers to it any more.
+  /// Errors: Conflict for the live release or the newest one, because epochs are never used twice.
+  Result<void> DeleteRelease(std::uint64_t epoch) const;
+  Result<void> DeleteSubmap(const SubmapId& id) const;
+  /// The whole folder; after a crash it is there as it was, or gone.
+  Result<void> DeleteExperience(const ExperienceId& id) const;
+  /// Finishes deletions of experiences that were cut short.
+  Result<void> FinishDeletions() const;
 
  private:
   MapDirectory(std::filesystem::path folder, MapDescription description)

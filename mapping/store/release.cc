@@ -88,10 +88,7 @@ Result<std::optional<Displacement>> DecodeDisplacement(const JsonReader& value) 
 Result<SubmapId> DecodeSubmapId(const JsonReader& object) {
   WAYMARK_TRY_ASSIGN(const auto member, object.Member("id"));
   WAYMARK_TRY_ASSIGN(std::string text, member.Text());
-  // The id becomes a file name, so nothing but a content hash may pass.
-  const bool is_hash =
-      text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
-  if (!is_hash) return member.Wrong("a content hash of 32 hexadecimal digits");
+  if (!IsSubmapIdText(text)) return member.Wrong("a content hash of 32 hexadecimal digits");
   return SubmapId(std::move(text));
 }
 
@@ -131,7 +128,18 @@ Result<std::vector<ReleasedSubmap>> DecodeSubmaps(const JsonReader& root) {
   return submaps;
 }
 
+/// Absent in releases of earlier versions.
+Result<std::optional<double>> DecodeFusionTime(const JsonReader& root) {
+  if (!root.json().contains("fusion_s")) return std::optional<double>();
+  WAYMARK_TRY_ASSIGN(const double seconds, DecodeNumber(root, "fusion_s", 0));
+  return std::optional(seconds);
+}
+
 }  // namespace
+
+bool IsSubmapIdText(std::string_view text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
 
 std::string EncodeRelease(const Release& release) {
   Json submaps = Json::array();
@@ -139,11 +147,13 @@ std::string EncodeRelease(const Release& release) {
     submaps.push_back(EncodeReleasedSubmap(submap));
   }
   const Json parent = release.parent_epoch ? Json(*release.parent_epoch) : Json(nullptr);
-  return internal::DumpDocument(Json{{"format_version", internal::kMapFormatVersion},
-                                     {"epoch", release.epoch},
-                                     {"parent_epoch", parent},
-                                     {"created_utc", release.created_utc},
-                                     {"submaps", std::move(submaps)}});
+  Json document{{"format_version", internal::kMapFormatVersion},
+                {"epoch", release.epoch},
+                {"parent_epoch", parent},
+                {"created_utc", release.created_utc},
+                {"submaps", std::move(submaps)}};
+  if (release.fusion_s) document["fusion_s"] = *release.fusion_s;
+  return internal::DumpDocument(document);
 }
 
 Result<Release> DecodeRelease(std::string_view json, std::string_view name) {
@@ -157,6 +167,7 @@ Result<Release> DecodeRelease(std::string_view json, std::string_view name) {
   WAYMARK_TRY_ASSIGN(const auto created, root.Member("created_utc"));
   WAYMARK_TRY_ASSIGN(release.created_utc, created.Text());
   WAYMARK_TRY_ASSIGN(release.submaps, DecodeSubmaps(root));
+  WAYMARK_TRY_ASSIGN(release.fusion_s, DecodeFusionTime(root));
   return release;
 }
 

@@ -34,9 +34,13 @@ struct ReleasedSubmap {
 struct Release {
   std::uint64_t epoch = 1;  ///< >= 1, grows by one
   std::optional<std::uint64_t> parent_epoch;
-  std::string created_utc;              ///< ISO 8601
-  std::vector<ReleasedSubmap> submaps;  ///< sorted by id
+  std::string created_utc;                        ///< ISO 8601
+  std::vector<ReleasedSubmap> submaps;            ///< sorted by id
+  std::optional<double> fusion_s = std::nullopt;  ///< how long placing the submaps took
 };
+
+/// Whether a text is a content hash: only then it may become a file name.
+bool IsSubmapIdText(std::string_view text);
 
 /// Pure codecs; doubles come back to the last bit, and decoding and encoding again gives the same
 /// text. Decoding errors: Corrupt, Unsupported, with `name` as the object.
