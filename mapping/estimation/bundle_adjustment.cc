@@ -32,6 +32,12 @@ Result<void> CheckIndices(const BundleProblem& problem) {
                        problem.points_in_world.size(), observation.pose, problem.poses.size());
     }
   }
+  for (const BundleRigLink& link : problem.rig_links) {
+    if (std::max({link.pose, link.before, link.after}) >= problem.poses.size()) {
+      return MakeError(ErrorCode::kInvalidArgument, "bundle: rig link ({}, {}, {}) of {} poses",
+                       link.pose, link.before, link.after, problem.poses.size());
+    }
+  }
   return {};
 }
 
@@ -48,6 +54,7 @@ class Adjustment {
     ReadParameters();
     AddObservations();
     AddPosePriors();
+    AddRigLinks();
     AddIntrinsics();
   }
 
@@ -170,6 +177,17 @@ class Adjustment {
         problem_.AddResidualBlock(new internal::LevelCost(options_.level_sigma_rad), &gravity_loss_,
                                   block);
       }
+    }
+  }
+
+  void AddRigLinks() {
+    for (const BundleRigLink& link : bundle_.rig_links) {
+      if (!pose_is_used_[link.pose] || !pose_is_used_[link.before] || !pose_is_used_[link.after]) {
+        continue;
+      }
+      problem_.AddResidualBlock(
+          new internal::RigCost(link.share, link.offset_in_camera, link.sigma_m), &position_loss_,
+          PoseBlock(link.pose), PoseBlock(link.before), PoseBlock(link.after));
     }
   }
 

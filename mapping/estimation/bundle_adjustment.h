@@ -40,12 +40,23 @@ struct BundleObservation {
   Eigen::Vector2d pixel_px;
 };
 
+/// Another camera of the same rig, between two of its poses, seen from `pose`.
+struct BundleRigLink {
+  std::uint32_t pose;
+  std::uint32_t before;
+  std::uint32_t after;
+  double share;  ///< of the way from `before` to `after`
+  Eigen::Vector3d offset_in_camera;
+  double sigma_m;
+};
+
 /// Everything that an adjustment reads and changes.
 struct BundleProblem {
   std::vector<BundleCamera> cameras;
   std::vector<BundlePose> poses;
   std::vector<Eigen::Vector3d> points_in_world;
   std::vector<BundleObservation> observations;
+  std::vector<BundleRigLink> rig_links;
 };
 
 enum class ObservationLoss { kSquared, kHuber, kCauchy };
@@ -54,7 +65,7 @@ struct BundleOptions {
   double pixel_sigma_px = 1;  ///< of a feature's position: balances pixels against priors
   ObservationLoss loss = ObservationLoss::kCauchy;
   double loss_scale = 2;      ///< in sigmas: where the loss departs from the square
-  double position_scale = 2;  ///< the same for position priors (Cauchy)
+  double position_scale = 2;  ///< the same for position priors and rig links (Cauchy)
   double gravity_sigma_rad = 0.02;
   double level_sigma_rad = 0.2;
   int max_iterations = 50;
@@ -69,10 +80,10 @@ struct BundleSummary {
   bool converged = false;
 };
 
-/// Minimises cost (1): robust reprojection error plus robust position priors, with gravity and
-/// intrinsics priors. Without any prior or held pose the gauge is free; damping keeps it in place.
-/// Errors: InvalidArgument for indices out of range; Unavailable when the solver fails.
-/// Source: Platinsky et al. 2020, eq. (1).
+/// Minimises cost (1): robust reprojection error plus robust position priors and rig links, with
+/// gravity and intrinsics priors. Without any prior or held pose the gauge is free; damping keeps
+/// it in place. Errors: InvalidArgument for indices out of range; Unavailable when the solver
+/// fails. Source: Platinsky et al. 2020, eq. (1).
 Result<BundleSummary> AdjustBundle(BundleProblem& problem, const BundleOptions& options);
 
 }  // namespace waymark::mapping

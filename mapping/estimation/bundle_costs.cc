@@ -93,6 +93,33 @@ bool PositionCost::Evaluate(double const* const* parameters, double* residuals,
   return true;
 }
 
+bool RigCost::Evaluate(double const* const* parameters, double* residuals,
+                       double** jacobians) const {
+  using RowMajor37 = Eigen::Matrix<double, 3, kPoseSize, Eigen::RowMajor>;
+  const Rigid3 pose = ReadPose(parameters[0]);
+  const Eigen::Map<const Eigen::Vector3d> before(parameters[1] + 4);
+  const Eigen::Map<const Eigen::Vector3d> after(parameters[2] + 4);
+  const Eigen::Matrix3d camera_from_world = pose.rotation().conjugate().toRotationMatrix();
+  const Eigen::Vector3d offset = (1 - share_) * before + share_ * after - pose.translation();
+  Eigen::Map<Eigen::Vector3d> residual(residuals);
+  residual = weight_ * (camera_from_world * offset - offset_in_camera_);
+  if (jacobians == nullptr) return true;
+  const Eigen::Matrix3d by_position = weight_ * camera_from_world;
+  if (jacobians[0] != nullptr) {
+    Eigen::Map<RowMajor37>(jacobians[0]) << -by_position, by_position * CrossMatrix(offset),
+        Eigen::Vector3d::Zero();
+  }
+  const auto write = [&](double* jacobian, double share) {
+    if (jacobian == nullptr) return;
+    Eigen::Map<RowMajor37> out(jacobian);
+    out.setZero();
+    out.leftCols<3>() = share * by_position;
+  };
+  write(jacobians[1], 1 - share_);
+  write(jacobians[2], share_);
+  return true;
+}
+
 bool UpCost::Evaluate(double const* const* parameters, double* residuals,
                       double** jacobians) const {
   const Eigen::Vector3d up_in_world = ReadPose(parameters[0]).rotation() * up_in_camera_;

@@ -71,6 +71,7 @@ Result<SubmapView> SubmapView::Open(const std::filesystem::path& path, bool chec
   SubmapView view(std::move(file));
   view.origin_ = parts.model.origin;
   view.is_geo_aligned_ = parts.model.is_geo_aligned;
+  view.scale_sigma_ = parts.model.scale_sigma;
   view.cameras_ = std::move(parts.model.cameras);
   view.images_ = std::move(parts.model.images);
   view.evidence_ = std::move(parts.model.evidence);

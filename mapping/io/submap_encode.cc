@@ -48,7 +48,7 @@ void PutSummary(const SubmapModel& model, TextPool& texts, PayloadWriter writer)
   writer.Put(evidence.max_speed_mps);
   writer.Put(evidence.mean_reprojection_px);
   texts.PutReference(evidence.verdict, writer);
-  writer.Put(std::uint64_t{0});
+  writer.Put(model.scale_sigma.value_or(0));
 }
 
 void PutCamera(const CameraModel& camera, PayloadWriter writer) {

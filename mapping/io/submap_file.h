@@ -39,6 +39,7 @@ class SubmapView {
 
   const GeoPoint& origin() const { return origin_; }
   bool is_geo_aligned() const { return is_geo_aligned_; }
+  std::optional<double> scale_sigma() const { return scale_sigma_; }
   std::span<const CameraModel> cameras() const { return cameras_; }
   std::span<const SubmapImage> images() const { return images_; }
   const VerificationEvidence& evidence() const { return evidence_; }
@@ -58,6 +59,7 @@ class SubmapView {
   MappedFile file_;
   GeoPoint origin_;
   bool is_geo_aligned_ = true;
+  std::optional<double> scale_sigma_;
   std::vector<CameraModel> cameras_;
   std::vector<SubmapImage> images_;
   VerificationEvidence evidence_;

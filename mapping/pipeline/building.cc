@@ -7,6 +7,7 @@
 
 #include "mapping/base/file.h"
 #include "mapping/io/submap_file.h"
+#include "mapping/pipeline/internal/rig_links.h"
 #include "mapping/pipeline/internal/task_input.h"
 #include "mapping/submap/prune.h"
 
@@ -135,8 +136,8 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
     run.Report(PipelineStage::kReconstruction, name,
                static_cast<std::size_t>(std::lround(1000 * std::clamp(share, 0.0, 1.0))), 1000);
   };
-  auto reconstruction =
-      ReconstructIncrementally(input.cameras, images, matches, options, on_progress);
+  auto reconstruction = ReconstructIncrementally(input.cameras, images, matches, options,
+                                                 on_progress, LinkRigs(input));
   Decision decision;
   if (!reconstruction) {
     decision.verdict = "rejected: " + reconstruction.error().message;

@@ -21,6 +21,13 @@ json EncodeCamera(const CameraSensor& camera) {
           {"has_known_focal", camera.has_known_focal}};
 }
 
+json EncodeMount(const CameraMount& mount) {
+  const Eigen::Quaterniond& q = mount.camera_from_rig.rotation();
+  const Eigen::Vector3d& t = mount.camera_from_rig.translation();
+  return {{"rig", mount.rig},
+          {"camera_from_rig", {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()}}};
+}
+
 Result<CameraSensor> DecodeCamera(const json& value, std::string_view name) {
   const auto model_name = value.at("model").get<std::string>();
   const auto kind = FindCameraKind(model_name);
@@ -56,6 +63,12 @@ json EncodeImage(const IndexedImage& image) {
 template <std::size_t kCount>
 std::array<double, kCount> Numbers(const json& value) {
   return value.get<std::array<double, kCount>>();
+}
+
+CameraMount DecodeMount(const json& value) {
+  const auto p = Numbers<7>(value.at("camera_from_rig"));
+  return {value.at("rig").get<std::string>(),
+          Rigid3(Eigen::Quaterniond(p[3], p[0], p[1], p[2]).normalized(), {p[4], p[5], p[6]})};
 }
 
 Result<IndexedImage> DecodeImage(const json& value, const ExperienceIndex& index,
@@ -95,11 +108,14 @@ Result<ExperienceIndex> DecodeBody(const json& body, std::string_view name) {
                         .content = body.at("content").get<std::string>(),
                         .features = body.at("features").get<std::string>(),
                         .cameras = {},
+                        .mounts = {},
                         .images = {},
                         .unusable = {}};
   for (const json& value : body.at("cameras")) {
     WAYMARK_TRY_ASSIGN(CameraSensor camera, DecodeCamera(value, name));
     index.cameras.push_back(std::move(camera));
+    index.mounts.push_back(value.contains("mount") ? std::optional(DecodeMount(value["mount"]))
+                                                   : std::nullopt);
   }
   for (const json& value : body.at("images")) {
     WAYMARK_TRY_ASSIGN(IndexedImage image, DecodeImage(value, index, name));
@@ -125,7 +141,10 @@ std::string ListLines(const std::vector<json>& values) {
 
 std::string EncodeIndex(const ExperienceIndex& index) {
   std::vector<json> cameras, images, unusable;
-  for (const CameraSensor& camera : index.cameras) cameras.push_back(EncodeCamera(camera));
+  for (std::size_t k = 0; k < index.cameras.size(); ++k) {
+    cameras.push_back(EncodeCamera(index.cameras[k]));
+    if (index.mounts[k]) cameras.back()["mount"] = EncodeMount(*index.mounts[k]);
+  }
   for (const IndexedImage& image : index.images) images.push_back(EncodeImage(image));
   for (const UnusableImage& image : index.unusable) {
     unusable.push_back({{"name", image.name}, {"reason", image.reason}});

@@ -60,6 +60,12 @@ ImageOutcome TakeImage(const fs::path& image_path, const fs::path& folder,
   return outcome;
 }
 
+std::optional<CameraMount> FindMount(const Experience& experience, const std::string& camera) {
+  const auto member = std::ranges::find(experience.rigs, camera, &RigMember::sensor);
+  if (member == experience.rigs.end()) return std::nullopt;
+  return CameraMount{member->rig, member->sensor_from_rig};
+}
+
 /// The hash of all sensor tables, as they are on disk, and all images.
 Result<std::string> CombineContent(const Experience& experience,
                                    std::span<const std::string> image_contents) {
@@ -130,6 +136,7 @@ Result<ExperienceIndex> IndexExperience(const Experience& experience, const Tang
                         .content = {},
                         .features = HashFeatureOptions(options),
                         .cameras = {},
+                        .mounts = {},
                         .images = {},
                         .unusable = {}};
   std::vector<std::string> contents;
@@ -140,6 +147,7 @@ Result<ExperienceIndex> IndexExperience(const Experience& experience, const Tang
   for (const auto& [id, camera] : experience.cameras) {
     camera_index[id] = static_cast<std::uint32_t>(index.cameras.size());
     index.cameras.push_back(camera);
+    index.mounts.push_back(FindMount(experience, id));
   }
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const ImageRecord& record = experience.images[i];

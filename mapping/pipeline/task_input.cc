@@ -117,7 +117,8 @@ Result<TaskInput> LoadTaskInput(const MapDirectory& map, const fs::path& folder,
                   .sequences = {},
                   .cameras = {},
                   .camera_of_image = {},
-                  .group_of_image = {}};
+                  .group_of_image = {},
+                  .mounts = {}};
   WAYMARK_TRY_ASSIGN(const auto lenders, LoadLenders(map, input.task, input));
   for (const TaskImage& image : input.task.images) {
     const auto lender = lenders.find(image.experience);
@@ -132,6 +133,8 @@ Result<TaskInput> LoadTaskInput(const MapDirectory& map, const fs::path& folder,
     input.chains.push_back(from.chains[position]);
     input.camera_of_image.push_back(from.first_camera + indexed.camera);
     input.group_of_image.push_back(from.group);
+    input.mounts.push_back(from.index.mounts[indexed.camera]);
+    if (auto& mount = input.mounts.back()) mount->rig = image.experience.text() + "/" + mount->rig;
     input.sequences.push_back(image.experience.text() + "/" +
                               from.index.cameras[indexed.camera].id);
   }

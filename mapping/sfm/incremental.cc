@@ -7,6 +7,7 @@
 #include "mapping/sfm/internal/focal_guess.h"
 #include "mapping/sfm/internal/growth.h"
 #include "mapping/sfm/internal/points.h"
+#include "mapping/sfm/internal/rig_scale.h"
 #include "mapping/sfm/internal/tracks.h"
 #include "mapping/sfm/internal/view_graph.h"
 
@@ -18,7 +19,7 @@ using internal::Model;
 using internal::ViewGraph;
 
 Result<void> CheckInput(std::span<const SfmCamera> cameras, std::span<const SfmImage> images,
-                        std::span<const PairMatches> matches) {
+                        std::span<const PairMatches> matches, std::span<const RigLink> rig_links) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     if (images[i].camera >= cameras.size()) {
       return MakeError(ErrorCode::kInvalidArgument, "image {}: camera {} of {}", i,
@@ -27,6 +28,15 @@ Result<void> CheckInput(std::span<const SfmCamera> cameras, std::span<const SfmI
     if (images[i].gnss_in_submap && !(images[i].gnss_sigma_m > 0)) {
       return MakeError(ErrorCode::kInvalidArgument, "image {}: expected gnss_sigma_m > 0, found {}",
                        i, images[i].gnss_sigma_m);
+    }
+  }
+  for (const RigLink& link : rig_links) {
+    if (std::max({link.image, link.before, link.after}) >= images.size() ||
+        link.image == link.before || link.image == link.after || link.before == link.after ||
+        !(link.share >= 0 && link.share <= 1) || !(link.sigma_m > 0)) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "rig link ({}, {}, {}) of {} images, share {}, sigma {} m", link.image,
+                       link.before, link.after, images.size(), link.share, link.sigma_m);
     }
   }
   for (const PairMatches& pair : matches) {
@@ -50,10 +60,10 @@ Result<void> CheckInput(std::span<const SfmCamera> cameras, std::span<const SfmI
 }
 
 Model EmptyModel(std::span<const SfmCamera> cameras, std::span<const SfmImage> images,
-                 const ViewGraph& graph) {
+                 const ViewGraph& graph, std::span<const RigLink> rig_links) {
   std::vector<std::size_t> feature_counts;
   for (const SfmImage& image : images) feature_counts.push_back(image.keypoints.size());
-  return Model(cameras, images, internal::BuildTracks(graph.pairs, feature_counts));
+  return Model(cameras, images, internal::BuildTracks(graph.pairs, feature_counts), rig_links);
 }
 
 // Grows models until no group of left-over images could beat the best one.
@@ -126,6 +136,9 @@ Reconstruction Extract(const GrownModel& grown, const ViewGraph& graph, const Sf
   }
   out.mean_reprojection_px = internal::MeanReprojectionPx(model);
   out.is_geo_aligned = grown.gauge.gauge == internal::Gauge::kGeographic;
+  if (grown.gauge.trusts_rig) {
+    if (const auto scale = internal::EstimateRigScale(model)) out.scale_sigma = scale->sigma;
+  }
   return out;
 }
 
@@ -148,9 +161,10 @@ Result<Reconstruction> ReconstructIncrementally(std::span<const SfmCamera> camer
                                                 std::span<const SfmImage> images,
                                                 std::span<const PairMatches> matches,
                                                 const SfmOptions& options,
-                                                const SfmProgress& progress) {
+                                                const SfmProgress& progress,
+                                                std::span<const RigLink> rig_links) {
   WAYMARK_TRY(options.Validate());
-  WAYMARK_TRY(CheckInput(cameras, images, matches));
+  WAYMARK_TRY(CheckInput(cameras, images, matches, rig_links));
   if (progress) progress("verifying pairs", 0);
   const std::vector<SfmCamera> guessed =
       internal::ImproveFocalGuesses(cameras, images, matches, options);
@@ -160,7 +174,7 @@ Result<Reconstruction> ReconstructIncrementally(std::span<const SfmCamera> camer
                      "reconstruction: none of {} pairs of {} images has {} matches that agree",
                      matches.size(), images.size(), options.min_pair_inliers);
   }
-  const Model empty = EmptyModel(guessed, images, graph);
+  const Model empty = EmptyModel(guessed, images, graph, rig_links);
   WAYMARK_TRY_ASSIGN(GrownModel grown, GrowLargest(empty, graph, options, progress));
   internal::NormaliseGauge(grown.model, grown.gauge);
   return Extract(grown, graph, options);

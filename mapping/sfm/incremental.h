@@ -41,6 +41,17 @@ struct PairMatches {
   std::vector<FeatureMatch> matches;
 };
 
+/// Two cameras of one rig: when `image` was taken, another camera was on its way from `before` to
+/// `after`, two images of its own, and stood at `offset_in_camera`.
+struct RigLink {
+  std::uint32_t image;
+  std::uint32_t before;
+  std::uint32_t after;
+  double share;                      ///< of the time from `before` to `after`, [0, 1]
+  Eigen::Vector3d offset_in_camera;  ///< in the frame of `image`
+  double sigma_m = 0.01;             ///< of the mounting and of the straight line between the two
+};
+
 struct SfmOptions {
   double max_epipolar_error_px = 4;            ///< two-view inliers
   int min_pair_inliers = 15;                   ///< a pair below is dropped
@@ -58,8 +69,8 @@ struct SfmOptions {
 using SfmProgress = std::function<void(std::string_view stage, double share)>;
 
 /// Reconstructs poses and points by cost (1): verified pairs, tracks, an initial pair, then images
-/// one after the other with bundle adjustment, GNSS priors and gravity as robust terms. Images that
-/// cannot join are reported with the reason, in `Reconstruction::images`.
+/// one after the other with bundle adjustment, GNSS priors, gravity and rig links as robust terms.
+/// Images that cannot join are reported with the reason, in `Reconstruction::images`.
 /// Errors: InvalidArgument (indices, options); NotFound when not even two images overlap.
 /// Source: Platinsky et al. 2020, eq. (1); Schoenberger & Frahm, "Structure-from-motion revisited",
 /// CVPR 2016, for the order of registration, retriangulation and filtering.
@@ -67,6 +78,7 @@ Result<Reconstruction> ReconstructIncrementally(std::span<const SfmCamera> camer
                                                 std::span<const SfmImage> images,
                                                 std::span<const PairMatches> matches,
                                                 const SfmOptions& options,
-                                                const SfmProgress& progress = {});
+                                                const SfmProgress& progress = {},
+                                                std::span<const RigLink> rig_links = {});
 
 }  // namespace waymark::mapping

@@ -38,6 +38,8 @@ struct Reconstruction {
   std::vector<ReconstructedPoint> points;
   double mean_reprojection_px = 0;
   bool is_geo_aligned = false;  ///< false: the gauge is arbitrary (no or degenerate GNSS)
+  /// How well the rig tells the scale, relative; absent: it does not.
+  std::optional<double> scale_sigma = std::nullopt;
 };
 
 }  // namespace waymark::mapping

@@ -113,6 +113,7 @@ Result<SubmapModel> AssembleSubmap(const Reconstruction& reconstruction,
   SubmapModel model;
   model.origin = origin;
   model.is_geo_aligned = reconstruction.is_geo_aligned;
+  model.scale_sigma = reconstruction.scale_sigma;
   model.evidence = evidence;
   const auto image_index = AddImages(reconstruction, images, model);
   const std::size_t min_track = ChooseMinTrack(reconstruction, options);

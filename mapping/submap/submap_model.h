@@ -50,6 +50,8 @@ struct VerificationEvidence {
 struct SubmapModel {
   GeoPoint origin;
   bool is_geo_aligned = true;
+  /// How well its scale is known without GNSS, relative, > 0; absent: not at all.
+  std::optional<double> scale_sigma = std::nullopt;
   std::vector<CameraModel> cameras;
   std::vector<SubmapImage> images;
   std::vector<Point<Submap>> landmarks;

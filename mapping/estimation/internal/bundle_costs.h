@@ -56,6 +56,21 @@ class PositionCost final : public ceres::SizedCostFunction<3, kPoseSize> {
   double weight_;
 };
 
+/// Where another camera of the rig was, against where it is mounted: it moved straight from
+/// `before` to `after`. Parameters: the camera's pose, before, after.
+class RigCost final : public ceres::SizedCostFunction<3, kPoseSize, kPoseSize, kPoseSize> {
+ public:
+  RigCost(double share, const Eigen::Vector3d& offset_in_camera, double sigma_m)
+      : share_(share), offset_in_camera_(offset_in_camera), weight_(1 / sigma_m) {}
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  double share_;
+  Eigen::Vector3d offset_in_camera_;
+  double weight_;
+};
+
 /// A direction of the camera that should be the world's "up": two residuals, its horizontal
 /// part. Parameter: pose.
 class UpCost final : public ceres::SizedCostFunction<2, kPoseSize> {

@@ -57,7 +57,7 @@ Result<void> ReadSummary(const SubmapSections& sections, std::string_view name,
   auto verdict = TakeText(reader, sections);
   if (!verdict) return Corrupt(name, "summary: expected a verdict inside the text section");
   evidence.verdict = *std::move(verdict);
-  if (reader.Take<std::uint64_t>() != 0) return Corrupt(name, "summary: expected zeros at its end");
+  if (const auto sigma = reader.Take<double>(); sigma != 0) model.scale_sigma = sigma;
   return {};
 }
 

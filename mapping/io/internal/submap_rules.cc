@@ -17,6 +17,10 @@ Result<void> CheckSummary(const SubmapModel& model) {
     return Error{ErrorCode::kInvalidArgument,
                  "evidence: expected finite figures and a printable verdict"};
   }
+  if (model.scale_sigma && !(*model.scale_sigma > 0 && std::isfinite(*model.scale_sigma))) {
+    return MakeError(ErrorCode::kInvalidArgument, "expected a scale sigma above 0, found {}",
+                     *model.scale_sigma);
+  }
   return {};
 }
 

@@ -31,6 +31,12 @@ struct IndexedImage {
   std::optional<Eigen::Quaterniond> next_from_this;
 };
 
+/// Where a camera sits on its vehicle.
+struct CameraMount {
+  std::string rig;
+  Rigid3 camera_from_rig;
+};
+
 /// An image that could not be used.
 struct UnusableImage {
   std::string name;
@@ -43,7 +49,8 @@ struct ExperienceIndex {
   std::string content;   ///< hash of every sensor table and image of the recording
   std::string features;  ///< hash of the options of its features
   std::vector<CameraSensor> cameras;
-  std::vector<IndexedImage> images;  ///< by time
+  std::vector<std::optional<CameraMount>> mounts;  ///< by camera
+  std::vector<IndexedImage> images;                ///< by time
   std::vector<UnusableImage> unusable;
 };
 

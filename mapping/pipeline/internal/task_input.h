@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ struct TaskInput {
   std::vector<SfmCamera> cameras;
   std::vector<std::uint32_t> camera_of_image;
   std::vector<std::uint32_t> group_of_image;  ///< experience
+  std::vector<std::optional<CameraMount>>
+      mounts;  ///< by image; rigs of different experiences differ
 };
 
 /// Errors: NotFound (task, experience, image or features are not in the map), Conflict (an

@@ -2,6 +2,7 @@
 #include "mapping/sfm/internal/adjustment.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "mapping/base/log.h"
@@ -12,6 +13,8 @@ namespace {
 // Fixes are interpolated between a receiver's epochs and share its slow errors, so neighbouring
 // images do not bring independent ones: each counts as if it were this many times noisier.
 constexpr double kGnssCorrelation = 3;
+// A camera that is mounted a little elsewhere is so in all its links.
+constexpr double kRigCorrelation = 3;
 
 // Intrinsics move only once a camera has this many images; fewer cannot tell focal length from
 // depth.
@@ -56,6 +59,21 @@ class BundleBuilder {
       const std::uint32_t image = track.elements[k].image;
       if (pose_index_[image] == kNone) AddImage(image, true);
       bundle_.observations.push_back({pose_index_[image], point, model_.Pixel(track.elements[k])});
+    }
+  }
+
+  // Once all images are in.
+  void AddRigLinks() {
+    for (const RigLink& link : model_.rig_links()) {
+      const std::array poses{pose_index_[link.image], pose_index_[link.before],
+                             pose_index_[link.after]};
+      if (std::ranges::find(poses, kNone) != poses.end()) continue;
+      bundle_.rig_links.push_back({.pose = poses[0],
+                                   .before = poses[1],
+                                   .after = poses[2],
+                                   .share = link.share,
+                                   .offset_in_camera = link.offset_in_camera,
+                                   .sigma_m = kRigCorrelation * link.sigma_m});
     }
   }
 
@@ -140,6 +158,7 @@ Result<BundleSummary> AdjustGlobally(Model& model, const GaugeState& gauge,
   for (std::size_t i = 0; i < model.registered().size(); ++i) {
     builder.AddImage(model.registered()[i], gauge.gauge == Gauge::kFree && i == 0);
   }
+  if (gauge.trusts_rig) builder.AddRigLinks();
   for (std::uint32_t t = 0; t < model.tracks().size(); ++t) {
     if (model.track(t).position) builder.AddTrack(t);
   }

@@ -2,8 +2,11 @@
 #include "mapping/sfm/internal/gauge.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "mapping/base/log.h"
 #include "mapping/estimation/geo_alignment.h"
+#include "mapping/sfm/internal/rig_scale.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -22,6 +25,23 @@ std::vector<GeoSample> Samples(const Model& model) {
   return samples;
 }
 
+// A rig that is a tenth off GNSS was not described in metres, or was changed since.
+constexpr double kMaxRigContradiction = 0.1;
+constexpr double kMaxRigSigma = 0.05;
+
+/// Whether the rig may tell the scale. A model without geography takes its scale from it.
+bool AskRig(Model& model, Gauge gauge) {
+  const std::optional<RigScale> scale = EstimateRigScale(model);
+  if (!scale || scale->sigma > kMaxRigSigma) return false;
+  if (gauge != Gauge::kGeographic) {
+    model.Transform(Sim3(scale->metres_per_unit, Eigen::Quaterniond::Identity(), {0, 0, 0}));
+    return true;
+  }
+  const bool agrees = std::abs(std::log(scale->metres_per_unit)) < kMaxRigContradiction;
+  if (!agrees) LogDebug("rig: {:.3f} of the scale by GNSS; not used", scale->metres_per_unit);
+  return agrees;
+}
+
 }  // namespace
 
 GaugeState UpdateGauge(Model& model, const GaugeState& before, const SfmOptions& options) {
@@ -31,14 +51,17 @@ GaugeState UpdateGauge(Model& model, const GaugeState& before, const SfmOptions&
   });
   const Eigen::Vector3d up = EstimateUp(samples);
   const double gravity_sigma_rad = EstimateGravitySigma(samples, up, options.gravity_sigma_rad);
+  GaugeState state = before;
   if (const auto alignment = EstimateGeoAlignment(
           samples, {.gravity_sigma_rad = options.gravity_sigma_rad, .seed = options.seed})) {
     model.Transform(alignment->enu_from_model);
-    return {Gauge::kGeographic, alignment->is_straight && !has_gravity, gravity_sigma_rad};
+    state = {Gauge::kGeographic, alignment->is_straight && !has_gravity, gravity_sigma_rad};
+  } else if (before.gauge != Gauge::kGeographic && has_gravity) {
+    model.Transform(Sim3(1, UprightRotation(up), Eigen::Vector3d::Zero()));
+    state = {Gauge::kUpright, false, gravity_sigma_rad};
   }
-  if (before.gauge == Gauge::kGeographic || !has_gravity) return before;
-  model.Transform(Sim3(1, UprightRotation(up), Eigen::Vector3d::Zero()));
-  return {Gauge::kUpright, false, gravity_sigma_rad};
+  state.trusts_rig = AskRig(model, state.gauge);
+  return state;
 }
 
 void NormaliseGauge(Model& model, const GaugeState& state) {
@@ -54,7 +77,7 @@ void NormaliseGauge(Model& model, const GaugeState& state) {
   }
   const auto middle = baselines.begin() + static_cast<std::ptrdiff_t>(baselines.size() / 2);
   std::nth_element(baselines.begin(), middle, baselines.end());
-  const double scale = *middle > 0 ? 1 / *middle : 1;
+  const double scale = *middle > 0 && !state.trusts_rig ? 1 / *middle : 1;
   // Without gravity the cameras themselves are the best guess of where up is.
   const Eigen::Quaterniond upright = UprightRotation(EstimateUp(Samples(model)));
   model.Transform(Sim3(scale, upright, -scale * (upright * centre)));

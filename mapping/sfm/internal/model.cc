@@ -10,9 +10,10 @@ std::size_t Track::ObservationCount() const {
 }
 
 Model::Model(std::span<const SfmCamera> cameras, std::span<const SfmImage> images,
-             std::vector<std::vector<TrackElement>> tracks)
+             std::vector<std::vector<TrackElement>> tracks, std::span<const RigLink> rig_links)
     : input_cameras_(cameras),
       images_(images),
+      rig_links_(rig_links),
       poses_(images.size()),
       image_tracks_(images.size()),
       observation_counts_(images.size(), 0) {

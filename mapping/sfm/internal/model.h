@@ -27,10 +27,15 @@ struct Track {
 class Model {
  public:
   Model(std::span<const SfmCamera> cameras, std::span<const SfmImage> images,
-        std::vector<std::vector<TrackElement>> tracks);
+        std::vector<std::vector<TrackElement>> tracks, std::span<const RigLink> rig_links);
 
   std::span<const SfmCamera> input_cameras() const { return input_cameras_; }
   std::span<const SfmImage> images() const { return images_; }
+  std::span<const RigLink> rig_links() const { return rig_links_; }
+  /// Whether all three images of the link are registered.
+  bool Has(const RigLink& link) const {
+    return IsRegistered(link.image) && IsRegistered(link.before) && IsRegistered(link.after);
+  }
   const CameraModel& camera(std::uint32_t camera) const { return cameras_[camera]; }
   void SetCamera(std::uint32_t camera, const CameraModel& model) { cameras_[camera] = model; }
   std::size_t camera_count() const { return cameras_.size(); }
@@ -74,6 +79,7 @@ class Model {
  private:
   std::span<const SfmCamera> input_cameras_;
   std::span<const SfmImage> images_;
+  std::span<const RigLink> rig_links_;
   std::vector<CameraModel> cameras_;
   std::vector<std::optional<Rigid3>> poses_;
   std::vector<std::uint32_t> registered_;

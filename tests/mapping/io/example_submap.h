@@ -41,6 +41,7 @@ inline SubmapModel ExampleSubmap(std::uint64_t seed = 1, std::uint32_t landmark_
       model.observations.push_back(observation);
     }
   }
+  model.scale_sigma = 0.004;
   model.evidence = {true, "consecutive rotations agree with the gyroscope", 0.01, 0.02, 13.5, 0.6};
   return model;
 }
@@ -51,6 +52,7 @@ inline void ExpectSameSubmap(const SubmapModel& a, const SubmapModel& b) {
   EXPECT_EQ(a.origin.longitude, b.origin.longitude);
   EXPECT_EQ(a.origin.ellipsoid_height_m, b.origin.ellipsoid_height_m);
   EXPECT_EQ(a.is_geo_aligned, b.is_geo_aligned);
+  EXPECT_EQ(a.scale_sigma, b.scale_sigma);
   EXPECT_EQ(a.cameras, b.cameras);
   ASSERT_EQ(a.images.size(), b.images.size());
   for (std::size_t i = 0; i < a.images.size(); ++i) {
