@@ -7,9 +7,10 @@
 
 #include "mapping/base/content_hash.h"
 #include "mapping/experience/kapture.h"
-#include "mapping/io/submap_file.h"
 #include "mapping/pipeline/internal/building.h"
 #include "mapping/pipeline/internal/indexing.h"
+#include "mapping/pipeline/internal/left_out.h"
+#include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 #include "mapping/pipeline/internal/releasing.h"
 #include "mapping/pipeline/pipeline.h"
@@ -63,15 +64,6 @@ Result<MapDirectory> OpenOrCreate(const AddRequest& request,
   return MapDirectory::Create(request.map_folder, description);
 }
 
-Result<std::set<SubmapId>> LoadLiveSubmaps(const MapDirectory& map) {
-  std::set<SubmapId> live;
-  WAYMARK_TRY_ASSIGN(const auto epoch, map.LoadCurrentEpoch());
-  if (!epoch) return live;
-  WAYMARK_TRY_ASSIGN(const Release release, map.LoadRelease(*epoch));
-  for (const ReleasedSubmap& submap : release.submaps) live.insert(submap.id);
-  return live;
-}
-
 /// Whether all of an experience's submaps are decided and those accepted are live.
 Result<bool> IsInRelease(const MapDirectory& map, const ExperienceId& id,
                          const std::set<SubmapId>& live) {
@@ -99,10 +91,11 @@ Result<Known> FindKnown(const MapDirectory& map, const Experience& experience,
   if (!index) return index.error();
   WAYMARK_TRY_ASSIGN(const std::string content, HashRecording(experience, parallelism, run));
   if (content != index->content) {
-    return MakeError(ErrorCode::kConflict,
-                     "experience {}: the map holds one of this name with other content; rename the "
-                     "folder to add it as another experience",
-                     experience.id.text());
+    return MakeError(
+        ErrorCode::kConflict,
+        "experience {}: the map holds one of this name with other content; rename the "
+        "folder to add it as another experience, or remove and prune the old one first",
+        experience.id.text());
   }
   WAYMARK_TRY_ASSIGN(const bool is_live, IsInRelease(map, experience.id, live));
   return is_live ? Known::kLive : Known::kUnfinished;
@@ -131,54 +124,26 @@ Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const Exper
   return reports;
 }
 
-/// Images of an experience that stand in none of its accepted submaps, with the best reason known.
-Result<std::vector<LeftOutImage>> ListLeftOut(const MapDirectory& map, const ExperienceIndex& index,
-                                              const Plan& plan) {
-  std::vector<LeftOutImage> left_out;
-  for (const UnusableImage& image : index.unusable) {
-    left_out.push_back({index.id, image.name, image.reason});
-  }
-  for (const std::string& name : plan.thinned_out) {
-    left_out.push_back({index.id, name, "its place has more images than one submap takes"});
-  }
-  std::set<std::string> held;
-  std::vector<LeftOutImage> candidates;
-  for (const std::string& task : plan.tasks) {
-    WAYMARK_TRY_ASSIGN(const auto decision, LoadDecision(map.ExperienceFolder(index.id), task));
-    if (!decision) continue;
-    candidates.insert(candidates.end(), decision->left_out.begin(), decision->left_out.end());
-    if (!decision->submap) continue;
-    WAYMARK_TRY_ASSIGN(const SubmapView view,
-                       SubmapView::Open(map.SubmapPath(*decision->submap), false));
-    for (const SubmapImage& image : view.images()) {
-      if (image.experience == index.id) held.insert(image.name);
-    }
-  }
-  std::erase_if(candidates, [&](const LeftOutImage& image) { return held.contains(image.name); });
-  left_out.insert(left_out.end(), candidates.begin(), candidates.end());
-  std::stable_sort(left_out.begin(), left_out.end(),
-                   [](const auto& a, const auto& b) { return a.name < b.name; });
-  return left_out;
-}
-
-/// Takes one experience to decided submaps. Returns those accepted.
-Result<std::set<SubmapId>> AddOne(const MapDirectory& map, const Experience& experience,
-                                  const AddRequest& request, Run& run, AddReport& report) {
+/// Takes one experience to decided submaps; those accepted join `submaps`, and what was built from
+/// it before in another way leaves.
+Result<void> AddOne(const MapDirectory& map, const Experience& experience,
+                    const AddRequest& request, Run& run, std::set<SubmapId>& submaps,
+                    AddReport& report) {
   const Parallelism& parallelism = request.options.parallelism;
   WAYMARK_TRY_ASSIGN(const ExperienceIndex index,
                      IndexExperience(experience, TangentPlane(map.description().origin),
                                      map.ExperienceFolder(experience.id), request.options.features,
                                      parallelism, run));
-  WAYMARK_TRY_ASSIGN(const Plan plan, PlanExperience(map, index, request.options));
-  std::set<SubmapId> accepted;
+  WAYMARK_TRY_ASSIGN(const Plan plan, PlanExperience(map, index, submaps, request.options));
   if (request.until == AddUntil::kPlan) {
     for (const std::string& task : plan.tasks) {
       report.submaps.push_back({.task = task, .id = {}, .verdict = "planned"});
     }
-    return accepted;
+    return {};
   }
   WAYMARK_TRY_ASSIGN(std::vector<SubmapReport> built,
                      BuildPlan(map, experience.id, plan, parallelism, run));
+  std::set<SubmapId> accepted;
   for (SubmapReport& submap : built) {
     if (submap.id) accepted.insert(*submap.id);
     report.submaps.push_back(std::move(submap));
@@ -186,7 +151,11 @@ Result<std::set<SubmapId>> AddOne(const MapDirectory& map, const Experience& exp
   WAYMARK_TRY_ASSIGN(const auto left_out, ListLeftOut(map, index, plan));
   report.left_out.insert(report.left_out.end(), left_out.begin(), left_out.end());
   (accepted.empty() ? report.rejected : report.added).push_back(experience.id);
-  return accepted;
+  if (accepted.empty()) return {};
+  WAYMARK_TRY_ASSIGN(const auto built_ever, ListOwnSubmaps(map.ExperienceFolder(experience.id)));
+  for (const SubmapId& id : built_ever) submaps.erase(id);
+  submaps.insert(accepted.begin(), accepted.end());
+  return {};
 }
 
 }  // namespace
@@ -210,16 +179,14 @@ Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserv
       report.already_in_map.push_back(experience.id);
       continue;
     }
-    WAYMARK_TRY_ASSIGN(const std::set<SubmapId> accepted,
-                       AddOne(map, experience, request, run, report));
-    submaps.insert(accepted.begin(), accepted.end());
+    WAYMARK_TRY(AddOne(map, experience, request, run, submaps, report));
   }
   if (submaps == live) return report;
 
   FusionOptions fusion = request.options.fusion;
   fusion.parallelism = request.options.parallelism;
-  WAYMARK_TRY_ASSIGN(NewRelease release,
-                     ReleaseSubmaps(map, submaps, fusion, request.created_utc, run));
+  WAYMARK_TRY_ASSIGN(NewRelease release, ReleaseSubmaps(map, submaps, fusion, request.created_utc,
+                                                        ReleaseUntil::kLive, run));
   report.epoch = release.epoch;
   report.unplaced = std::move(release.unplaced);
   report.overlap_rms_m = release.overlap_rms_m;

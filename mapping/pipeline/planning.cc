@@ -8,6 +8,7 @@
 #include "mapping/base/content_hash.h"
 #include "mapping/base/file.h"
 #include "mapping/experience/names.h"
+#include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 
 namespace waymark::mapping {
@@ -37,13 +38,43 @@ struct Neighbourhood {
   std::vector<const IndexedImage*> indexed;  ///< of each of `images`
 };
 
+/// Names of the images of an experience whose submaps were removed from the map.
+Result<std::set<std::string>> ListWithdrawn(const MapDirectory& map, const ExperienceId& id,
+                                            const std::set<SubmapId>& in_map,
+                                            std::optional<std::set<SubmapId>>& released) {
+  std::set<std::string> withdrawn;
+  const fs::path folder = map.ExperienceFolder(id);
+  WAYMARK_TRY_ASSIGN(const std::optional<Plan> plan, LoadPlan(folder));
+  if (!plan) return withdrawn;
+  for (const std::string& name : plan->tasks) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, name));
+    if (!decision || !decision->submap || in_map.contains(*decision->submap)) continue;
+    if (!released) {
+      WAYMARK_TRY_ASSIGN(released, LoadReleasedSubmaps(map));  // rarely needed, and not cheap
+    }
+    if (!released->contains(*decision->submap)) continue;  // it is yet to be released
+    const fs::path path = TaskPath(folder, name);
+    WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
+    WAYMARK_TRY_ASSIGN(const SubmapTask task, DecodeTask(text, path.string()));
+    for (const TaskImage& image : task.images) {
+      if (!image.is_borrowed) withdrawn.insert(image.name);
+    }
+  }
+  return withdrawn;
+}
+
 Result<Neighbourhood> LoadNeighbourhood(const MapDirectory& map, const TangentPlane& plane,
-                                        const ExperienceId& except) {
+                                        const ExperienceId& except,
+                                        const std::set<SubmapId>& in_map) {
   Neighbourhood found;
+  std::optional<std::set<SubmapId>> released;
   WAYMARK_TRY_ASSIGN(const std::vector<ExperienceId> planned, ListPlannedExperiences(map));
   for (const ExperienceId& id : planned) {
     if (id == except) continue;
     WAYMARK_TRY_ASSIGN(ExperienceIndex index, LoadIndex(map.ExperienceFolder(id)));
+    WAYMARK_TRY_ASSIGN(const auto withdrawn, ListWithdrawn(map, id, in_map, released));
+    std::erase_if(index.images,
+                  [&](const IndexedImage& image) { return withdrawn.contains(image.name); });
     found.experiences.push_back(std::move(index));
   }
   for (std::size_t e = 0; e < found.experiences.size(); ++e) {
@@ -92,6 +123,23 @@ SubmapTask MakeTask(const ExperienceIndex& index, const ImageSubset& subset,
   return task;
 }
 
+/// Whether every task that is not built yet still finds all that it borrows.
+Result<bool> IsBuildable(const MapDirectory& map, const fs::path& folder, const Plan& plan) {
+  for (const std::string& name : plan.tasks) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, name));
+    if (decision) continue;
+    const fs::path path = TaskPath(folder, name);
+    WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
+    WAYMARK_TRY_ASSIGN(const SubmapTask task, DecodeTask(text, path.string()));
+    for (const auto& [experience, content] : task.contents) {
+      const auto lender = LoadIndex(map.ExperienceFolder(experience));
+      if (!lender && lender.error().code != ErrorCode::kNotFound) return lender.error();
+      if (!lender || lender->content != content) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 Result<std::optional<Plan>> LoadPlan(const fs::path& experience_folder) {
@@ -130,15 +178,19 @@ Result<std::vector<ExperienceId>> ListPlannedExperiences(const MapDirectory& map
 }
 
 Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& index,
-                            const PipelineOptions& options) {
+                            const std::set<SubmapId>& in_map, const PipelineOptions& options) {
   const fs::path folder = map.ExperienceFolder(index.id);
   const std::string options_hash =
       ContentHash(std::string_view(index.content + EncodeBuildOptions(options)));
   WAYMARK_TRY_ASSIGN(std::optional<Plan> existing, LoadPlan(folder));
-  if (existing && existing->options == options_hash) return *std::move(existing);
+  if (existing && existing->options == options_hash) {
+    WAYMARK_TRY_ASSIGN(const bool is_buildable, IsBuildable(map, folder, *existing));
+    if (is_buildable) return *std::move(existing);
+  }
 
   const TangentPlane plane(map.description().origin);
-  WAYMARK_TRY_ASSIGN(const Neighbourhood neighbourhood, LoadNeighbourhood(map, plane, index.id));
+  WAYMARK_TRY_ASSIGN(const Neighbourhood neighbourhood,
+                     LoadNeighbourhood(map, plane, index.id, in_map));
   std::vector<SplitImage> images;
   for (const IndexedImage& image : index.images) {
     images.push_back({image.time, PositionOf(image, map, plane)});

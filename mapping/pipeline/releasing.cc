@@ -4,11 +4,14 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <utility>
 
+#include "mapping/base/time.h"
 #include "mapping/io/submap_file.h"
+#include "mapping/store/release_diff.h"
 
 namespace waymark::mapping {
 namespace {
@@ -96,6 +99,52 @@ bool HoldSameSubmaps(const Release& a, const Release& b) {
   return std::ranges::equal(a.submaps, b.submaps, {}, &ReleasedSubmap::id, &ReleasedSubmap::id);
 }
 
+Result<std::vector<FusionSubmap>> LoadFusionInput(const MapDirectory& map,
+                                                  const std::set<SubmapId>& submaps,
+                                                  const std::optional<Release>& parent, Run& run) {
+  StageCounter counter(run, PipelineStage::kFusion, "map", submaps.size());
+  std::map<SubmapId, Similarity<Map, Submap>> previous;
+  if (parent) {
+    for (const ReleasedSubmap& submap : parent->submaps) {
+      previous.emplace(submap.id, submap.map_from_submap);
+    }
+  }
+  const TangentPlane plane(map.description().origin);
+  ImageNumbers numbers;
+  std::vector<FusionSubmap> inputs;
+  for (const SubmapId& id : submaps) {
+    WAYMARK_TRY_ASSIGN(const SubmapView view, SubmapView::Open(map.SubmapPath(id), false));
+    inputs.push_back(ToFusion(view, plane, map.description().is_geo_aligned, numbers));
+    if (const auto found = previous.find(id); found != previous.end()) {
+      inputs.back().previous = found->second;
+    }
+    counter.Add();
+  }
+  return inputs;
+}
+
+/// Whether two releases say the same, apart from when they were made: places within a micrometre.
+bool AreSame(const Release& a, const Release& b) {
+  constexpr double kMaxMovedM = 1e-6;
+  if (a.parent_epoch != b.parent_epoch || !HoldSameSubmaps(a, b)) return false;
+  const ReleaseDiff diff = CompareReleases(a, b);
+  return std::ranges::all_of(diff.moved, [](const MovedSubmap& submap) {
+    return submap.displacement.translation_m < kMaxMovedM;
+  });
+}
+
+/// Stores a release under the next epoch, or finds it stored as the newest one.
+Result<std::uint64_t> StoreAsNext(const MapDirectory& map, Release release) {
+  WAYMARK_TRY_ASSIGN(const auto epochs, map.ListReleaseEpochs());
+  if (!epochs.empty()) {
+    WAYMARK_TRY_ASSIGN(const Release newest, map.LoadRelease(epochs.back()));
+    if (AreSame(newest, release)) return newest.epoch;
+    release.epoch = newest.epoch + 1;
+  }
+  WAYMARK_TRY(map.StoreRelease(release));
+  return release.epoch;
+}
+
 }  // namespace
 
 Sim3 MapFromEnu(const TangentPlane& map, const GeoPoint& origin) {
@@ -114,26 +163,11 @@ Sim3 MapFromEnu(const TangentPlane& map, const GeoPoint& origin) {
 
 Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<SubmapId>& submaps,
                                   const FusionOptions& options, std::string_view created_utc,
-                                  Run& run) {
-  StageCounter counter(run, PipelineStage::kFusion, "map", submaps.size());
+                                  ReleaseUntil until, Run& run) {
+  const auto begun = std::chrono::steady_clock::now();
   WAYMARK_TRY_ASSIGN(const std::optional<Release> parent, LoadParent(map));
-  std::map<SubmapId, Similarity<Map, Submap>> previous;
-  if (parent) {
-    for (const ReleasedSubmap& submap : parent->submaps) {
-      previous.emplace(submap.id, submap.map_from_submap);
-    }
-  }
-  const TangentPlane plane(map.description().origin);
-  ImageNumbers numbers;
-  std::vector<FusionSubmap> inputs;
-  for (const SubmapId& id : submaps) {
-    WAYMARK_TRY_ASSIGN(const SubmapView view, SubmapView::Open(map.SubmapPath(id), false));
-    inputs.push_back(ToFusion(view, plane, map.description().is_geo_aligned, numbers));
-    if (const auto found = previous.find(id); found != previous.end()) {
-      inputs.back().previous = found->second;
-    }
-    counter.Add();
-  }
+  WAYMARK_TRY_ASSIGN(const std::vector<FusionSubmap> inputs,
+                     LoadFusionInput(map, submaps, parent, run));
   WAYMARK_TRY_ASSIGN(const Fusion fusion, FuseSubmaps(inputs, options));
 
   NewRelease result{.epoch = {}, .unplaced = {}};
@@ -156,11 +190,9 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
                      submaps.size());
   }
   if (parent && HoldSameSubmaps(*parent, release)) return result;
-  WAYMARK_TRY_ASSIGN(const auto epochs, map.ListReleaseEpochs());
-  if (!epochs.empty()) release.epoch = epochs.back() + 1;
-  WAYMARK_TRY(map.StoreRelease(release));
-  WAYMARK_TRY(map.Deploy(release.epoch));
-  result.epoch = release.epoch;
+  release.fusion_s = Seconds(std::chrono::steady_clock::now() - begun);
+  WAYMARK_TRY_ASSIGN(result.epoch, StoreAsNext(map, std::move(release)));
+  if (until == ReleaseUntil::kLive) WAYMARK_TRY(map.Deploy(*result.epoch));
   result.overlap_rms_m =
       CombineRms(fusion.submaps, &FusedSubmap::overlap_rms_m, &FusedSubmap::shared_images);
   result.gnss_rms_m =

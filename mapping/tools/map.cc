@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
       "  waymark-map import photos PHOTOS --out street   phone photos become an experience\n"
       "  waymark-map add MAP street drive1 drive2        makes MAP, or adds to it\n"
       "  waymark-map info MAP                            what is in it, what was refused and why\n"
+      "  waymark-map remove MAP --experience drive1      takes it out again\n"
+      "  waymark-map diff MAP                            what moved with the live release\n"
       "  waymark-map export MAP --format colmap --out model\n"
       "  waymark-map rollback MAP                        the release before is live again\n"
       "`waymark-map COMMAND --help` explains one command.\n"
@@ -23,7 +25,9 @@ int main(int argc, char** argv) {
   RegisterAdd(app, exit_code);
   RegisterBuildSubmap(app, exit_code);
   RegisterInfo(app, exit_code);
+  RegisterRemove(app, exit_code);
   RegisterReleases(app, exit_code);
+  RegisterDiff(app, exit_code);
   RegisterImport(app, exit_code);
   RegisterExport(app, exit_code);
   try {

@@ -12,6 +12,7 @@
 #include "mapping/pipeline/pipeline.h"
 #include "mapping/tools/interruption.h"
 #include "mapping/tools/map_commands.h"
+#include "mapping/tools/movement.h"
 #include "mapping/tools/progress_display.h"
 
 namespace waymark::mapping {
@@ -120,7 +121,12 @@ int Add(const AddArguments& arguments) {
     report = AddExperiences(MakeRequest(arguments), observer);
   }
   if (!report) return Finish(report.error());
-  return PrintReport(*report, arguments.plan_only);
+  const int outcome = PrintReport(*report, arguments.plan_only);
+  if (!report->epoch) return outcome;
+  if (const auto printed = PrintMovement(arguments.map, *report->epoch); !printed) {
+    return Finish(printed);
+  }
+  return outcome;
 }
 
 }  // namespace

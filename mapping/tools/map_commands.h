@@ -29,7 +29,9 @@ int ExitCodeOf(const Error& error);
 void RegisterAdd(CLI::App& app, int& exit_code);
 void RegisterBuildSubmap(CLI::App& app, int& exit_code);
 void RegisterInfo(CLI::App& app, int& exit_code);
+void RegisterRemove(CLI::App& app, int& exit_code);
 void RegisterReleases(CLI::App& app, int& exit_code);  ///< releases, deploy, rollback
+void RegisterDiff(CLI::App& app, int& exit_code);
 void RegisterImport(CLI::App& app, int& exit_code);
 void RegisterExport(CLI::App& app, int& exit_code);
 

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <set>
+
 #include "mapping/pipeline/internal/plan.h"
 #include "mapping/store/map_directory.h"
 
 namespace waymark::mapping {
 
 /// Cuts an experience into tasks, borrowing from every other experience that has a plan, and
-/// stores tasks, then plan. A plan made with the same options is kept as it is, so that a run that
-/// resumes finds its tasks again.
+/// stores tasks, then plan. Images whose submap was removed, so that a stored release holds it and
+/// `in_map` does not, are not borrowed. A plan made with the same options is kept as it is, so that
+/// a run that resumes finds its tasks again, unless it borrows from what is no longer there.
 /// Errors: those of SplitExperience and of storage.
 Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& index,
-                            const PipelineOptions& options);
+                            const std::set<SubmapId>& in_map, const PipelineOptions& options);
 
 /// nullopt: not planned yet.
 Result<std::optional<Plan>> LoadPlan(const std::filesystem::path& experience_folder);

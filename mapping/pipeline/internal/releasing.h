@@ -12,7 +12,10 @@
 
 namespace waymark::mapping {
 
-/// A release that is stored and live, with what fusion says about the whole.
+/// How far to take a release: a candidate is stored, but not live.
+enum class ReleaseUntil { kCandidate, kLive };
+
+/// A release that is stored, with what fusion says about the whole.
 struct NewRelease {
   std::optional<std::uint64_t> epoch;  ///< absent: the live release holds the same submaps
   std::vector<SubmapId> unplaced;
@@ -20,12 +23,13 @@ struct NewRelease {
   double gnss_rms_m = 0;
 };
 
-/// Fuses submaps and deploys the result as the next epoch, unless those that can be placed are live
-/// already. The caller holds the map's lock.
+/// Fuses submaps and makes the result the next epoch, unless those that can be placed are live
+/// already. The newest release is taken when it is the same one from the same parent: an earlier
+/// run that was killed, or that left it as a candidate, made it. The caller holds the map's lock.
 /// Errors: those of FuseSubmaps, SubmapView and storage; NotFound when no submap can be placed.
 Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<SubmapId>& submaps,
                                   const FusionOptions& options, std::string_view created_utc,
-                                  Run& run);
+                                  ReleaseUntil until, Run& run);
 
 /// The east-north-up frame at a place, in the map frame.
 Sim3 MapFromEnu(const TangentPlane& map, const GeoPoint& origin);
