@@ -56,7 +56,7 @@ std::vector<std::optional<std::uint32_t>> AddImages(const Reconstruction& recons
                             .name = images[i].name,
                             .camera = *camera,
                             .submap_from_camera = *registered.submap_from_camera,
-                            .gnss = images[i].gnss,
+                            .gnss = model.evidence.gnss_is_trusted ? images[i].gnss : std::nullopt,
                             .gnss_sigma_m = images[i].gnss_sigma_m,
                             .is_borrowed = images[i].is_borrowed});
   }

@@ -31,7 +31,8 @@ struct AssemblyOptions {
 };
 
 /// Turns a reconstruction into a submap: registered images, the cameras they use, landmarks worth
-/// searching and a bounded number of observations of each. Deterministic.
+/// searching and a bounded number of observations of each. GNSS that the evidence distrusts is left
+/// out, so that fusion places the submap by its overlap alone. Deterministic.
 /// Errors: InvalidArgument (options, lengths, an index out of range).
 Result<SubmapModel> AssembleSubmap(const Reconstruction& reconstruction,
                                    std::span<const AssemblyImage> images, const GeoPoint& origin,

@@ -24,18 +24,25 @@ std::vector<PairCheck> CompareRotations(const Reconstruction& reconstruction,
   return checks;
 }
 
+std::vector<std::vector<std::uint32_t>> SortSequences(const Reconstruction& reconstruction,
+                                                      std::span<const VerificationImage> images) {
+  std::map<std::string, std::vector<std::uint32_t>> by_name;
+  for (std::uint32_t i = 0; i < images.size(); ++i) {
+    if (reconstruction.images[i].submap_from_camera) by_name[images[i].sequence].push_back(i);
+  }
+  std::vector<std::vector<std::uint32_t>> sequences;
+  for (auto& [name, members] : by_name) {
+    std::ranges::stable_sort(members, {}, [&](std::uint32_t i) { return images[i].time; });
+    sequences.push_back(std::move(members));
+  }
+  return sequences;
+}
+
 std::vector<PairCheck> MeasureSpeeds(const Reconstruction& reconstruction,
                                      std::span<const VerificationImage> images,
                                      const VerificationOptions& options) {
-  std::map<std::string, std::vector<std::uint32_t>> sequences;
-  for (std::uint32_t i = 0; i < images.size(); ++i) {
-    if (reconstruction.images[i].submap_from_camera) sequences[images[i].sequence].push_back(i);
-  }
   std::vector<PairCheck> checks;
-  for (auto& [sequence, members] : sequences) {
-    std::stable_sort(members.begin(), members.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return images[a].time < images[b].time;
-    });
+  for (const auto& members : SortSequences(reconstruction, images)) {
     for (std::size_t k = 1; k < members.size(); ++k) {
       const std::uint32_t from = members[k - 1];
       const std::uint32_t to = members[k];

@@ -35,10 +35,21 @@ struct LandmarkObservation {
   Descriptor descriptor;
 };
 
+/// One thing that was checked.
+struct VerificationFigure {
+  std::string name;  ///< with its unit: "gyroscope_rad"
+  double value = 0;  ///< the worst, or the median where `count` is 1
+  double bound = 0;  ///< of that value
+  int broken = 0;    ///< how many were beyond their bounds,
+  int count = 0;     ///< of how many
+};
+
 /// What was checked before the submap was accepted, with the figures.
 struct VerificationEvidence {
   bool accepted = true;
-  std::string verdict;  ///< one sentence
+  std::string verdict;                           ///< one sentence
+  std::vector<VerificationFigure> figures = {};  ///< not in submap files, the verdict is
+  bool gnss_is_trusted = true;  ///< false: it lies, and assembly leaves it out; not in files either
   double max_gyroscope_error_rad = 0;
   double max_gravity_error_rad = 0;
   double max_speed_mps = 0;

@@ -34,6 +34,13 @@ struct MeasuredRotation {
   double seconds;                   ///< between them
 };
 
+/// What carried the cameras.
+enum class Recorder {
+  kUnknown,  ///< judged as a vehicle where it moves like one
+  kVehicle,  ///< always judged as a vehicle
+  kPerson,   ///< never
+};
+
 struct VerificationOptions {
   int min_images = 3;                 ///< registered
   double min_registered_share = 0.2;  ///< of the images that are not borrowed
@@ -44,14 +51,40 @@ struct VerificationOptions {
   double max_gravity_error_rad = 0.1;           ///< median: single images are shaken by braking
   double max_speed_mps = 60;
   double max_gnss_sigmas = 5;     ///< median distance to GNSS; at least 10 m are allowed
-  double tolerated_share = 0.05;  ///< of pairs may break the gyroscope or speed bound
+  double tolerated_share = 0.05;  ///< of images may be wrong
+
+  // Creeping turns against the integrated gyroscope.
+  double gyroscope_bias_sigma_rad_per_s = 0.002;  ///< per axis, constant within a submap
+  double max_gyroscope_bias_rad_per_s = 0.008;    ///< more than this is a bend, not a bias
+  double max_rotation_drift_rad = 0.015;          ///< of an image, beside the bias, plus
+  double max_gyroscope_scale_error = 0.005;       ///< times the angle turned
+
+  // Motion of anything that carries cameras.
+  double max_acceleration_mps2 = 10;
+  double position_tolerance_m = 0.3;  ///< of a step, so that short steps may err
+
+  // Motion of vehicles.
+  Recorder recorder = Recorder::kUnknown;
+  double min_vehicle_speed_mps = 3;           ///< median while moving; those on foot are slower
+  double min_vehicle_share = 0.8;             ///< of the steps along the camera's usual direction
+  double min_step_m = 1;                      ///< shorter ones have no direction
+  double max_slip_rad = 0.12;                 ///< sideways motion, plus
+  double max_lever_arm_m = 2.5;               ///< times the curvature: of the camera to rear axle
+  double min_turning_radius_m = 4;            ///< while moving
+  double max_yaw_rate_error_rad_per_s = 0.2;  ///< of the path's heading against the camera's turn
+
+  // Shape against GNSS.
+  double max_shape_error_m = 0.4;  ///< largest displacement by a drift of scale or heading, plus
+  double max_shape_sigmas = 4;     ///< times how well GNSS knows it
 
   Result<void> Validate() const;
 };
 
 /// Checks a reconstruction against everything that was measured beside the images. The verdict
 /// names the first bound that is broken, or what was checked and with which figures; a check whose
-/// sensor is absent is left out and the verdict says so.
+/// sensor is absent is left out and the verdict says so. Every figure is in the evidence by name,
+/// whatever the verdict. GNSS that contradicts a reconstruction which gyroscope and motion support
+/// is no reason to discard it: the evidence says that GNSS is not to be followed.
 /// Errors: InvalidArgument (options, lengths, indices).
 /// Source: Platinsky et al. 2020, step 3.
 Result<VerificationEvidence> VerifyReconstruction(const Reconstruction& reconstruction,

@@ -21,6 +21,10 @@ std::vector<PairCheck> CompareRotations(const Reconstruction& reconstruction,
                                         std::span<const MeasuredRotation> rotations,
                                         const VerificationOptions& options);
 
+/// Registered images of each sequence, by time.
+std::vector<std::vector<std::uint32_t>> SortSequences(const Reconstruction& reconstruction,
+                                                      std::span<const VerificationImage> images);
+
 /// Speeds between consecutive registered images of each sequence.
 std::vector<PairCheck> MeasureSpeeds(const Reconstruction& reconstruction,
                                      std::span<const VerificationImage> images,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -15,18 +16,22 @@ inline CameraModel WalkCamera() {
                               std::array<double, 3>{500, 320, 240});
 }
 
-/// A level walk north at 10 m/s with ten images a second that turns slowly, all registered.
+/// A level drive at 10 m/s with ten images a second, first north, slowly turning left, all
+/// registered. The camera looks ahead.
 inline Reconstruction MakeWalk(int images, int points = 200) {
   Reconstruction walk;
   walk.cameras = {WalkCamera(), WalkCamera()};
   walk.is_geo_aligned = true;
   walk.mean_reprojection_px = 0.5;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
   for (int i = 0; i < images; ++i) {
     const Eigen::Quaterniond level(Eigen::AngleAxisd(0.02 * i, Eigen::Vector3d::UnitZ()) *
                                    Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitX()));
     walk.images.push_back({.camera = 1,
-                           .submap_from_camera = Transform<Submap, Camera>(level, {0, 1.0 * i, 0}),
+                           .submap_from_camera = Transform<Submap, Camera>(level, position),
                            .exclusion = ""});
+    const double heading = 0.02 * (i + 0.5);
+    position += Eigen::Vector3d(-std::sin(heading), std::cos(heading), 0);
   }
   for (int p = 0; p < points; ++p) {
     ReconstructedPoint point;

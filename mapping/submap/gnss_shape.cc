@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/submap/internal/gnss_shape.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace waymark::mapping::internal {
+namespace {
+
+constexpr double kMaxGapS = 5;
+constexpr double kMinPathM = 20;
+constexpr double kMinSeconds = 4;
+constexpr std::size_t kMinPlaces = 6;
+constexpr double kLeastNoiseM = 0.1;
+
+/// A reconstructed position with what GNSS says.
+struct Place {
+  std::uint32_t image;
+  double seconds;
+  Eigen::Vector2d path;
+  Eigen::Vector2d gnss;
+  double along_m = 0;  ///< since the pass began
+};
+using Pass = std::vector<Place>;
+
+std::vector<Pass> CollectPasses(const Reconstruction& reconstruction,
+                                std::span<const VerificationImage> images) {
+  std::vector<Pass> passes;
+  for (const auto& members : SortSequences(reconstruction, images)) {
+    Pass pass;
+    for (const std::uint32_t i : members) {
+      if (!images[i].gnss_in_submap) continue;
+      Place place{i, Seconds(images[i].time - images[members.front()].time),
+                  reconstruction.images[i].submap_from_camera->translation().head<2>(),
+                  images[i].gnss_in_submap->coordinates().head<2>()};
+      if (!pass.empty()) {
+        const double gap_s = place.seconds - pass.back().seconds;
+        if (gap_s <= 0) continue;
+        if (gap_s > kMaxGapS) passes.push_back(std::exchange(pass, {}));
+      }
+      if (!pass.empty()) {
+        place.along_m = pass.back().along_m + (place.path - pass.back().path).norm();
+      }
+      pass.push_back(place);
+    }
+    passes.push_back(std::move(pass));
+  }
+  std::erase_if(passes, [](const Pass& pass) {
+    return pass.size() < kMinPlaces || pass.back().along_m < kMinPathM ||
+           pass.back().seconds - pass.front().seconds < kMinSeconds;
+  });
+  return passes;
+}
+
+Eigen::Vector2d TurnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
+
+// Columns of the fit: the first kRigid are a similarity and may be anything.
+enum Column {
+  kEast,
+  kNorth,
+  kScale,
+  kYaw,
+  kScale1,
+  kScale2,
+  kBend1,
+  kBend2,
+  kStepEast,
+  kStepNorth
+};
+constexpr int kRigid = 4;
+constexpr int kColumns = 10;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, kColumns>;
+using Square = Eigen::Matrix<double, kColumns, kColumns>;
+using Column10 = Eigen::Matrix<double, kColumns, 1>;
+
+/// Displacements of the path per unit of each column; `step_at` is where GNSS jumps, if it does.
+Rows MakeRows(const Pass& pass, std::size_t step_at) {
+  Rows rows = Rows::Zero(2 * static_cast<Eigen::Index>(pass.size()), kColumns);
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  for (const Place& place : pass) centre += place.path / static_cast<double>(pass.size());
+  Eigen::Vector2d drift1 = Eigen::Vector2d::Zero();
+  Eigen::Vector2d drift2 = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < pass.size(); ++k) {
+    if (k > 0) {
+      const double along = (pass[k].along_m + pass[k - 1].along_m) / pass.back().along_m - 1;
+      const Eigen::Vector2d moved = pass[k].path - pass[k - 1].path;
+      drift1 += along * moved;
+      drift2 += (along * along - 1.0 / 3) * moved;
+    }
+    auto row = rows.middleRows<2>(2 * static_cast<Eigen::Index>(k));
+    row.col(kEast) = Eigen::Vector2d::UnitX();
+    row.col(kNorth) = Eigen::Vector2d::UnitY();
+    row.col(kScale) = pass[k].path - centre;
+    row.col(kYaw) = TurnLeft(pass[k].path - centre);
+    row.col(kScale1) = drift1;
+    row.col(kScale2) = drift2;
+    row.col(kBend1) = TurnLeft(drift1);
+    row.col(kBend2) = TurnLeft(drift2);
+    if (k >= step_at) row.rightCols<2>().setIdentity();
+  }
+  return rows;
+}
+
+struct Fit {
+  Column10 values;
+  Square covariance;  ///< for unit noise of independent rows
+  double noise_m;
+};
+
+Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off) {
+  constexpr int kIterations = 12;
+  const Eigen::Index places = rows.rows() / 2;
+  Fit fit{Column10::Zero(), Square::Zero(), kLeastNoiseM};
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(rows.rows());
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Square normal = rows.transpose() * weights.asDiagonal() * rows;
+    normal.diagonal().array() += 1e-6;  // columns that are all zero
+    const auto solver = normal.ldlt();
+    fit.values = solver.solve(rows.transpose() * weights.asDiagonal() * off);
+    fit.covariance = solver.solve(Square::Identity());
+    const Eigen::VectorXd rest = off - rows * fit.values;
+    std::vector<double> sizes;
+    for (Eigen::Index k = 0; k < places; ++k) sizes.push_back(rest.segment<2>(2 * k).norm());
+    // The median length of a two-dimensional normal is 1.18 standard deviations.
+    fit.noise_m = std::max(kLeastNoiseM, Median(sizes) / 1.18);
+    for (Eigen::Index k = 0; k < places; ++k) {
+      const double sigmas = sizes[static_cast<std::size_t>(k)] / fit.noise_m;
+      weights.segment<2>(2 * k).setConstant(1 / std::max(1.0, sigmas / 2));
+    }
+  }
+  return fit;
+}
+
+/// The largest displacement by some columns that no similarity can make good.
+Bending MeasureBending(const Rows& rows, const Fit& fit, std::initializer_list<Column> columns,
+                       double spread) {
+  const auto rigid = rows.leftCols<kRigid>();
+  const auto solver =
+      Eigen::Matrix<double, kRigid, kRigid>(
+          rigid.transpose() * rigid + 1e-9 * Eigen::Matrix<double, kRigid, kRigid>::Identity())
+          .ldlt();
+  Eigen::VectorXd together = Eigen::VectorXd::Zero(rows.rows());
+  double variance = 0;
+  const auto largest = [](const Eigen::VectorXd& moved) {
+    double metres = 0;
+    for (Eigen::Index k = 0; k < moved.size() / 2; ++k) {
+      metres = std::max(metres, moved.segment<2>(2 * k).norm());
+    }
+    return metres;
+  };
+  for (const Column column : columns) {
+    const Eigen::VectorXd shape = rows.col(column);
+    const Eigen::VectorXd rest = shape - rigid * solver.solve(rigid.transpose() * shape);
+    together += fit.values[column] * rest;
+    variance += fit.covariance(column, column) * std::pow(largest(rest), 2);
+  }
+  return {largest(together), fit.noise_m * spread * std::sqrt(variance)};
+}
+
+/// Where GNSS left the path by most within about a second, and by how much.
+struct Jump {
+  std::size_t at;  ///< first place behind it
+  double metres;
+  double bound;
+};
+
+Jump FindJump(const Pass& pass) {
+  constexpr double kWithinS = 1.05;  // receivers give a fix a second, between which we interpolate
+  std::vector<double> sizes;
+  Jump jump{pass.size(), 0, 0};
+  for (std::size_t a = 0, b = 0; b < pass.size(); ++b) {
+    while (pass[b].seconds - pass[a].seconds > kWithinS && a + 1 < b) ++a;
+    if (a == b) continue;
+    const double metres = ((pass[b].gnss - pass[b].path) - (pass[a].gnss - pass[a].path)).norm();
+    sizes.push_back(metres);
+    if (metres > jump.metres) jump = {(a + b + 1) / 2, metres, 0};
+  }
+  jump.bound = 2 + 4 * Median(std::move(sizes));
+  return jump;
+}
+
+GnssShape Judge(const Pass& pass) {
+  const Jump jump = FindJump(pass);
+  const bool has_jump = jump.metres > jump.bound;
+  const Rows rows = MakeRows(pass, has_jump ? jump.at : pass.size());
+  Eigen::VectorXd off(rows.rows());
+  for (std::size_t k = 0; k < pass.size(); ++k) {
+    off.segment<2>(2 * static_cast<Eigen::Index>(k)) = pass[k].gnss - pass[k].path;
+  }
+  const Fit fit = FitRobustly(rows, off);
+  GnssShape shape{.first = pass.front().image,
+                  .last = pass.back().image,
+                  .seconds = pass.back().seconds - pass.front().seconds};
+  // Positions between two fixes are not independent of each other: one a second is.
+  const double independent = std::min(static_cast<double>(pass.size()), 1 + shape.seconds);
+  const double spread = std::sqrt(static_cast<double>(pass.size()) / independent);
+  shape.scale = MeasureBending(rows, fit, {kScale1, kScale2}, spread);
+  shape.bend = MeasureBending(rows, fit, {kBend1}, spread);
+  shape.double_bend = MeasureBending(rows, fit, {kBend2}, spread);
+  // From one end to the other, the factor of the linear column goes from -1 to 1.
+  shape.turn_rad_per_s = 2 * fit.values[kBend1] / shape.seconds;
+  shape.largest_jump_m = jump.metres;
+  shape.jump_bound_m = jump.bound;
+  shape.noise_m = fit.noise_m;
+  return shape;
+}
+
+}  // namespace
+
+std::vector<GnssShape> MeasureGnssShape(const Reconstruction& reconstruction,
+                                        std::span<const VerificationImage> images) {
+  std::vector<GnssShape> shapes;
+  for (const Pass& pass : CollectPasses(reconstruction, images)) shapes.push_back(Judge(pass));
+  return shapes;
+}
+
+}  // namespace waymark::mapping::internal

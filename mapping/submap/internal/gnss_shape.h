@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "mapping/submap/internal/measurements.h"
+
+namespace waymark::mapping::internal {
+
+/// One way of bending a path, in metres of its largest displacement.
+struct Bending {
+  double metres = 0;
+  double sigma_m = 0;  ///< how well GNSS knows it
+
+  bool IsBeyond(double tolerated_m, double sigmas) const {
+    return metres > tolerated_m + sigmas * sigma_m;
+  }
+};
+
+/// How one pass of one camera must be bent until it lies on its GNSS positions, after the best
+/// similarity. Horizontal: satellites say little about heights.
+struct GnssShape {
+  std::uint32_t first;  ///< image
+  std::uint32_t last;
+  double seconds;
+  Bending scale = {};         ///< its scale drifts
+  Bending bend = {};          ///< its heading drifts, one way
+  Bending double_bend = {};   ///< one way and back
+  double turn_rad_per_s = 0;  ///< by `bend`, left positive, on average over the pass
+  double largest_jump_m = 0;  ///< of GNSS against the path within a second
+  double jump_bound_m = 0;
+  double noise_m = 0;  ///< of GNSS around the bent path, one axis
+};
+
+/// Passes that are long enough to have a shape: at least 20 m, 4 s and 6 positions.
+std::vector<GnssShape> MeasureGnssShape(const Reconstruction& reconstruction,
+                                        std::span<const VerificationImage> images);
+
+}  // namespace waymark::mapping::internal
