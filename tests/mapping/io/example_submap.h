@@ -42,7 +42,12 @@ inline SubmapModel ExampleSubmap(std::uint64_t seed = 1, std::uint32_t landmark_
     }
   }
   model.scale_sigma = 0.004;
-  model.evidence = {true, "consecutive rotations agree with the gyroscope", 0.01, 0.02, 13.5, 0.6};
+  model.evidence = {.accepted = true,
+                    .verdict = "consecutive rotations agree with the gyroscope",
+                    .max_gyroscope_error_rad = 0.01,
+                    .max_gravity_error_rad = 0.02,
+                    .max_speed_mps = 13.5,
+                    .mean_reprojection_px = 0.6};
   return model;
 }
 

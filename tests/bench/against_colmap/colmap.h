@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "mapping/base/result.h"
+#include "tests/bench/against_colmap/timed_program.h"
+#include "tests/evaluation/trajectory.h"
+
+namespace waymark::bench {
+
+/// A reconstruction and what it took.
+struct Outcome {
+  Usage usage;
+  evaluation::Trajectory world_from_camera;
+};
+
+/// Runs COLMAP as installed: extraction, "exhaustive" or "sequential" matching, mapping, on the
+/// processor, with the experience's intrinsics as the start. The largest model counts.
+/// Errors: Unavailable when COLMAP is missing, fails or makes no model; those of LoadKapture.
+Result<Outcome> RunColmap(const std::filesystem::path& experience, const std::string& matching,
+                          const std::filesystem::path& scratch);
+
+}  // namespace waymark::bench
