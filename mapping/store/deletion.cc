@@ -95,6 +95,11 @@ Result<void> MapDirectory::DeleteSubmap(const SubmapId& id) const {
   return DeleteFile(SubmapPath(id));
 }
 
+Result<void> MapDirectory::DeleteExperienceFile(const ExperienceId& id,
+                                                const fs::path& name) const {
+  return DeleteFile(ExperienceFolder(id) / name);
+}
+
 Result<void> MapDirectory::DeleteExperience(const ExperienceId& id) const {
   const fs::path folder = ExperienceFolder(id);
   const fs::path doomed = folder.parent_path() / (std::string(kDeletedPrefix) + id.text());

@@ -77,6 +77,9 @@ class MapDirectory {
   /// Errors: Conflict for the live release or the newest one, because epochs are never used twice.
   Result<void> DeleteRelease(std::uint64_t epoch) const;
   Result<void> DeleteSubmap(const SubmapId& id) const;
+  /// One file below the folder of an experience.
+  Result<void> DeleteExperienceFile(const ExperienceId& id,
+                                    const std::filesystem::path& name) const;
   /// The whole folder; after a crash it is there as it was, or gone.
   Result<void> DeleteExperience(const ExperienceId& id) const;
   /// Finishes deletions of experiences that were cut short.

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
   RegisterBuildSubmap(app, exit_code);
   RegisterInfo(app, exit_code);
   RegisterRemove(app, exit_code);
+  RegisterPrune(app, exit_code);
   RegisterReleases(app, exit_code);
   RegisterDiff(app, exit_code);
   RegisterImport(app, exit_code);

@@ -30,6 +30,7 @@ void RegisterAdd(CLI::App& app, int& exit_code);
 void RegisterBuildSubmap(CLI::App& app, int& exit_code);
 void RegisterInfo(CLI::App& app, int& exit_code);
 void RegisterRemove(CLI::App& app, int& exit_code);
+void RegisterPrune(CLI::App& app, int& exit_code);
 void RegisterReleases(CLI::App& app, int& exit_code);  ///< releases, deploy, rollback
 void RegisterDiff(CLI::App& app, int& exit_code);
 void RegisterImport(CLI::App& app, int& exit_code);

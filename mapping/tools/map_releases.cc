@@ -68,7 +68,9 @@ struct ReleaseArguments {
 void RegisterReleases(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ReleaseArguments>();
   CLI::App* releases = app.add_subcommand("releases", "Lists the releases of a map");
-  releases->footer("The live release has a star. Releases are never changed or removed.");
+  releases->footer(
+      "The live release has a star. Releases are never changed; `waymark-map prune` deletes old "
+      "ones.");
   releases->add_option("MAP", arguments->map, "the map directory")->required();
   releases->callback([arguments, &exit_code] { exit_code = Finish(List(arguments->map)); });
 

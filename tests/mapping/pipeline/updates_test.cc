@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "mapping/pipeline/pruning.h"
 #include "mapping/store/release_diff.h"
 #include "tests/mapping/pipeline/street_map.h"
 
@@ -96,6 +97,54 @@ TEST(Updates, ARemovedDriveLeavesNoTraceInThePlacesOfOthers) {
   EXPECT_THAT(diff.removed, IsEmpty());
   EXPECT_LT(diff.worst.translation_m, 0.001);
   EXPECT_LT(diff.worst.rotation_rad, 1e-4);
+}
+
+std::uintmax_t Sum(const std::map<std::string, std::uintmax_t>& files) {
+  std::uintmax_t total = 0;
+  for (const auto& [name, size] : files) total += size;
+  return total;
+}
+
+TEST(Updates, AHundredLeaveNoFilesMoveNothingAndDoNotGrowTheMap) {
+  constexpr int kUpdates = 100;
+  const StreetMap street("hundred");
+  street.Drive("stays", {.images = 8});
+  street.Drive("near", {.images = 8, .first_m = 0.3, .aside_m = 0.5, .seed = 2});
+  street.Drive("far", {.images = 8, .first_m = 60, .seed = 3});
+  ASSERT_TRUE(street.Add({"stays"}).ok());
+  ASSERT_TRUE(street.Add({"near", "far"}).ok());
+  ASSERT_TRUE(PruneMap({.map_folder = street.MapFolder(), .keep = 1}).ok());
+  const auto live = street.Live();
+  const auto files = street.Files();
+  const Release first = *street.Open().LoadCurrentRelease();
+  std::uintmax_t largest = 0;
+  for (int update = 0; update < kUpdates; ++update) {
+    const std::string drive = update % 4 < 2 ? "near" : "far";
+    const bool removes = update % 2 == 0;
+    if (removes) {
+      ASSERT_TRUE(street.Remove(drive).ok()) << update;
+      EXPECT_THAT(street.Live(), SizeIs(live.size() - 1));
+    } else {
+      ASSERT_TRUE(street.Add({drive}).ok()) << update;
+      EXPECT_EQ(street.Live(), live);
+      const ReleaseDiff diff = CompareReleases(first, *street.Open().LoadCurrentRelease());
+      ASSERT_LT(diff.worst.translation_m, 0.001) << update;
+      ASSERT_LT(diff.worst.rotation_rad, 1e-4) << update;
+    }
+    ASSERT_TRUE(PruneMap({.map_folder = street.MapFolder(), .keep = 2}).ok());
+    largest = std::max(largest, Sum(street.Files()));
+  }
+  const Release last = *street.Open().LoadCurrentRelease();
+  EXPECT_EQ(last.epoch, first.epoch + kUpdates);
+  ASSERT_TRUE(PruneMap({.map_folder = street.MapFolder(), .keep = 1}).ok());
+  std::set<std::string> before, after;
+  for (const auto& [name, size] : files) before.insert(name);
+  for (const auto& [name, size] : street.Files()) after.insert(name);
+  EXPECT_EQ(before.erase("releases/2.json"), 1u);
+  EXPECT_EQ(after.erase(fmt::format("releases/{}.json", last.epoch)), 1u);
+  EXPECT_EQ(after, before);
+  constexpr std::uintmax_t kOneRelease = 10'000;
+  EXPECT_LT(largest, Sum(files) + kOneRelease) << "two releases instead of one";
 }
 
 }  // namespace
