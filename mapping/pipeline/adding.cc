@@ -8,11 +8,13 @@
 #include "mapping/base/content_hash.h"
 #include "mapping/experience/kapture.h"
 #include "mapping/pipeline/internal/building.h"
+#include "mapping/pipeline/internal/index_times.h"
 #include "mapping/pipeline/internal/indexing.h"
 #include "mapping/pipeline/internal/left_out.h"
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 #include "mapping/pipeline/internal/releasing.h"
+#include "mapping/pipeline/internal/stopwatch.h"
 #include "mapping/pipeline/pipeline.h"
 
 namespace waymark::mapping {
@@ -130,11 +132,16 @@ Result<void> AddOne(const MapDirectory& map, const Experience& experience,
                     const AddRequest& request, Run& run, std::set<SubmapId>& submaps,
                     AddReport& report) {
   const Parallelism& parallelism = request.options.parallelism;
+  Stopwatch watch;
+  IndexTimes times{.features_threads = static_cast<int>(parallelism.ThreadCount())};
   WAYMARK_TRY_ASSIGN(const ExperienceIndex index,
                      IndexExperience(experience, TangentPlane(map.description().origin),
                                      map.ExperienceFolder(experience.id), request.options.features,
                                      parallelism, run));
+  times.features_s = watch.Lap();
   WAYMARK_TRY_ASSIGN(const Plan plan, PlanExperience(map, index, submaps, request.options));
+  times.split_s = watch.Lap();
+  WAYMARK_TRY(AddIndexTimes(map.ExperienceFolder(experience.id), times));
   if (request.until == AddUntil::kPlan) {
     for (const std::string& task : plan.tasks) {
       report.submaps.push_back({.task = task, .id = {}, .verdict = "planned"});

@@ -8,6 +8,7 @@
 #include "mapping/base/file.h"
 #include "mapping/io/submap_file.h"
 #include "mapping/pipeline/internal/rig_links.h"
+#include "mapping/pipeline/internal/stopwatch.h"
 #include "mapping/pipeline/internal/task_input.h"
 #include "mapping/submap/prune.h"
 
@@ -136,9 +137,11 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
     run.Report(PipelineStage::kReconstruction, name,
                static_cast<std::size_t>(std::lround(1000 * std::clamp(share, 0.0, 1.0))), 1000);
   };
+  Stopwatch watch;
   auto reconstruction = ReconstructIncrementally(input.cameras, images, matches, options,
                                                  on_progress, LinkRigs(input));
   Decision decision;
+  decision.times.reconstruction_s = watch.Lap();
   if (!reconstruction) {
     decision.verdict = "rejected: " + reconstruction.error().message;
     ListLeftOut(input, nullptr, false, decision);
@@ -147,14 +150,16 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
   WAYMARK_TRY_ASSIGN(const VerificationEvidence evidence,
                      PruneAndVerify(input, images, *reconstruction));
   decision.verdict = evidence.verdict;
+  decision.figures = evidence.figures;
   ListLeftOut(input, &*reconstruction, evidence.accepted, decision);
   WAYMARK_TRY_ASSIGN(const SubmapModel model, Assemble(input, *reconstruction, evidence));
   decision.images = static_cast<int>(model.images.size());
   decision.landmarks = static_cast<int>(model.landmarks.size());
-  if (!evidence.accepted) return decision;
-  WAYMARK_TRY_ASSIGN(const auto bytes, EncodeSubmap(model));
-  WAYMARK_TRY_ASSIGN(const SubmapId id, map.StoreSubmap(bytes));
-  decision.submap = id;
+  if (evidence.accepted) {
+    WAYMARK_TRY_ASSIGN(const auto bytes, EncodeSubmap(model));
+    WAYMARK_TRY_ASSIGN(decision.submap, map.StoreSubmap(bytes));
+  }
+  decision.times.verification_s = watch.Lap();
   return decision;
 }
 
@@ -175,13 +180,16 @@ Result<SubmapReport> BuildTask(const MapDirectory& map, const ExperienceId& expe
   WAYMARK_TRY_ASSIGN(const std::optional<Decision> done, LoadDecision(folder, task));
   if (done) return ReportOf(task, *done, true);
 
+  Stopwatch watch;
   const std::string name = ShortName(task);
   WAYMARK_TRY_ASSIGN(const TaskInput input, LoadTaskInput(map, folder, task, parallelism));
   const TangentPlane submap_plane(input.task.origin);
   WAYMARK_TRY_ASSIGN(const auto matches,
                      MatchPairs(input, SelectPairs(input, submap_plane), name, parallelism, run));
-  WAYMARK_TRY_ASSIGN(const Decision decision,
-                     Reconstruct(map, input, submap_plane, matches, name, run));
+  const double matching_s = watch.Lap();
+  WAYMARK_TRY_ASSIGN(Decision decision, Reconstruct(map, input, submap_plane, matches, name, run));
+  decision.times.matching_s = matching_s;
+  decision.times.matching_threads = static_cast<int>(parallelism.ThreadCount());
   WAYMARK_TRY(
       StoreFileAtomically(DecisionPath(folder, task), std::string_view(EncodeDecision(decision))));
   return ReportOf(task, decision, false);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
+#include <limits>
 
 #include "mapping/pipeline/internal/json_decoding.h"
 #include "mapping/pipeline/internal/options_codec.h"
@@ -29,6 +30,42 @@ Result<SubmapTask> DecodeTaskBody(const json& body, std::string_view name) {
                            image.at(1).get<std::string>(), image.at(2).get<bool>()});
   }
   return task;
+}
+
+ordered_json EncodeFigures(const std::vector<VerificationFigure>& figures) {
+  ordered_json list = ordered_json::array();
+  for (const VerificationFigure& figure : figures) {
+    list.push_back({{"name", figure.name},
+                    {"value", figure.value},
+                    {"bound", figure.bound},
+                    {"broken", figure.broken},
+                    {"count", figure.count}});
+  }
+  return list;
+}
+
+/// A figure that is not finite is null in JSON.
+double DecodeNumber(const json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+std::vector<VerificationFigure> DecodeFigures(const json& list) {
+  std::vector<VerificationFigure> figures;
+  for (const json& figure : list) {
+    figures.push_back({.name = figure.at("name").get<std::string>(),
+                       .value = DecodeNumber(figure.at("value")),
+                       .bound = DecodeNumber(figure.at("bound")),
+                       .broken = figure.at("broken").get<int>(),
+                       .count = figure.at("count").get<int>()});
+  }
+  return figures;
+}
+
+BuildTimes DecodeTimes(const json& body) {
+  return {.matching_s = body.at("matching_s").get<double>(),
+          .reconstruction_s = body.at("reconstruction_s").get<double>(),
+          .verification_s = body.at("verification_s").get<double>(),
+          .matching_threads = body.at("matching_threads").get<int>()};
 }
 
 }  // namespace
@@ -67,6 +104,11 @@ std::string EncodeDecision(const Decision& decision) {
   body["images"] = decision.images;
   body["landmarks"] = decision.landmarks;
   body["left_out"] = left_out;
+  body["figures"] = EncodeFigures(decision.figures);
+  body["times"] = {{"matching_s", decision.times.matching_s},
+                   {"reconstruction_s", decision.times.reconstruction_s},
+                   {"verification_s", decision.times.verification_s},
+                   {"matching_threads", decision.times.matching_threads}};
   return body.dump() + "\n";
 }
 
@@ -82,6 +124,9 @@ Result<Decision> DecodeDecision(std::string_view text, std::string_view name) {
       decision.left_out.push_back({ExperienceId(image.at(0).get<std::string>()),
                                    image.at(1).get<std::string>(), image.at(2).get<std::string>()});
     }
+    // Decisions of earlier versions have neither.
+    if (body.contains("figures")) decision.figures = DecodeFigures(body["figures"]);
+    if (body.contains("times")) decision.times = DecodeTimes(body["times"]);
     return Result<Decision>(std::move(decision));
   });
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/pipeline/build_times.h"
 #include "mapping/pipeline/internal/experience_index.h"
 #include "mapping/pipeline/pipeline.h"
 
@@ -33,7 +34,9 @@ struct Decision {
   std::string verdict;
   int images = 0;
   int landmarks = 0;
-  std::vector<LeftOutImage> left_out;  ///< of the task's images that are not borrowed
+  std::vector<LeftOutImage> left_out;            ///< of the task's images that are not borrowed
+  std::vector<VerificationFigure> figures = {};  ///< all that was checked
+  BuildTimes times = {};
 };
 
 /// MAP/experiences/<id>/plan.json: the submaps of one experience.
