@@ -5,7 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
+#include <queue>
 #include <utility>
 
 namespace waymark::mapping {
@@ -71,32 +71,39 @@ std::uint32_t ChooseHeld(std::span<const FusionSubmap> submaps, std::span<const 
       ->first;
 }
 
-/// Places further submaps one by one along the overlap with most images.
+/// Places further submaps one by one, always along the overlap with most images.
 void PlaceThroughOverlaps(std::span<const FusionSubmap> submaps, std::span<const Overlap> overlaps,
                           int min_shared, std::vector<std::optional<Sim3>>& places) {
-  std::vector<const Overlap*> usable;
-  for (const Overlap& overlap : overlaps) {
-    if (overlap.images.size() >= static_cast<std::size_t>(min_shared)) usable.push_back(&overlap);
+  std::vector<std::vector<std::uint32_t>> overlaps_of(submaps.size());
+  for (std::uint32_t k = 0; k < overlaps.size(); ++k) {
+    if (overlaps[k].images.size() < static_cast<std::size_t>(min_shared)) continue;
+    overlaps_of[overlaps[k].first].push_back(k);
+    overlaps_of[overlaps[k].second].push_back(k);
   }
-  std::stable_sort(usable.begin(), usable.end(), [](const Overlap* a, const Overlap* b) {
-    return a->images.size() > b->images.size();
-  });
-  for (bool placed = true; placed;) {
-    placed = false;
-    for (const Overlap* overlap : usable) {
-      const bool has_first = places[overlap->first].has_value();
-      if (has_first == places[overlap->second].has_value()) continue;
-      const auto first_from_second =
-          EstimateFirstFromSecond(submaps[overlap->first], submaps[overlap->second], *overlap);
-      if (!first_from_second) continue;
-      if (has_first) {
-        places[overlap->second] = *places[overlap->first] * *first_from_second;
-      } else {
-        places[overlap->first] = *places[overlap->second] * first_from_second->Inverse();
-      }
-      placed = true;
-      break;
+  const auto is_worse = [&](std::uint32_t a, std::uint32_t b) {
+    return std::pair(overlaps[a].images.size(), b) < std::pair(overlaps[b].images.size(), a);
+  };
+  std::priority_queue<std::uint32_t, std::vector<std::uint32_t>, decltype(is_worse)> open(is_worse);
+  const auto leave = [&](std::uint32_t submap) {
+    for (const std::uint32_t k : overlaps_of[submap]) {
+      if (!places[overlaps[k].first] || !places[overlaps[k].second]) open.push(k);
     }
+  };
+  for (std::uint32_t i = 0; i < submaps.size(); ++i) {
+    if (places[i]) leave(i);
+  }
+  for (; !open.empty();) {
+    const Overlap& overlap = overlaps[open.top()];
+    open.pop();
+    const bool has_first = places[overlap.first].has_value();
+    if (has_first && places[overlap.second]) continue;
+    const auto first_from_second =
+        EstimateFirstFromSecond(submaps[overlap.first], submaps[overlap.second], overlap);
+    if (!first_from_second) continue;
+    const std::uint32_t placed = has_first ? overlap.second : overlap.first;
+    places[placed] = has_first ? *places[overlap.first] * *first_from_second
+                               : *places[overlap.second] * first_from_second->Inverse();
+    leave(placed);
   }
 }
 
@@ -111,25 +118,47 @@ std::vector<std::uint32_t> SpreadIndices(std::size_t size, std::size_t count) {
   return chosen;
 }
 
-std::vector<Overlap> FindOverlaps(std::span<const FusionSubmap> submaps) {
+Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps) {
   struct Sighting {
+    std::uint64_t image;
     std::uint32_t submap;
     std::uint32_t index;
+    auto operator<=>(const Sighting&) const = default;
   };
-  std::unordered_map<std::uint64_t, std::vector<Sighting>> sightings;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<SharedImage>> shared;
+  std::vector<Sighting> sightings;
   for (std::uint32_t s = 0; s < submaps.size(); ++s) {
     for (std::uint32_t i = 0; i < submaps[s].images.size(); ++i) {
-      auto& earlier = sightings[submaps[s].images[i].image];
-      for (const Sighting& other : earlier) {
-        if (other.submap != s) shared[{other.submap, s}].push_back({other.index, i});
-      }
-      earlier.push_back({s, i});
+      sightings.push_back({submaps[s].images[i].image, s, i});
     }
   }
+  std::sort(sightings.begin(), sightings.end());
+  struct Pair {
+    std::uint32_t first, second;
+    std::uint32_t in_second, in_first;
+    auto operator<=>(const Pair&) const = default;
+  };
+  std::vector<Pair> pairs;
+  for (std::size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
+    while (end < sightings.size() && sightings[end].image == sightings[begin].image) {
+      for (std::size_t k = begin; k < end; ++k) {
+        pairs.push_back(
+            {sightings[k].submap, sightings[end].submap, sightings[end].index, sightings[k].index});
+        if (pairs.back().first == pairs.back().second) {
+          return MakeError(ErrorCode::kInvalidArgument, "fusion: submap {} holds image {} twice",
+                           pairs.back().first, sightings[k].image);
+        }
+      }
+      ++end;
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
   std::vector<Overlap> overlaps;
-  for (auto& [pair, images] : shared) {
-    overlaps.push_back({pair.first, pair.second, std::move(images)});
+  for (const Pair& pair : pairs) {
+    if (overlaps.empty() || overlaps.back().first != pair.first ||
+        overlaps.back().second != pair.second) {
+      overlaps.push_back({pair.first, pair.second, {}});
+    }
+    overlaps.back().images.push_back({pair.in_first, pair.in_second});
   }
   return overlaps;
 }

@@ -1,185 +1,161 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/fusion/internal/solver.h"
 
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/loss_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
-#include <ceres/product_manifold.h>
-#include <ceres/solver.h>
-#include <omp.h>
-
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <exception>
+#include <limits>
+#include <optional>
 #include <utility>
 
-#include "mapping/fusion/internal/residuals.h"
+#include "mapping/fusion/internal/equations.h"
 
 namespace waymark::mapping {
 namespace {
 
-using Place = std::array<double, kPlaceSize>;
-using SharedImageCost = ceres::AutoDiffCostFunction<SharedImageResidual, 6, kPlaceSize, kPlaceSize>;
-using GnssCost = ceres::AutoDiffCostFunction<GnssResidual, 3, kPlaceSize>;
-using GravityCost = ceres::AutoDiffCostFunction<GravityResidual, 3, kPlaceSize>;
-using ScaleCost = ceres::AutoDiffCostFunction<ScaleResidual, 1, kPlaceSize>;
+constexpr double kLeastDamping = 1e-3;  // once a step was too long
+constexpr double kMaxDamping = 1e8;
 
-Place ToPlace(const Sim3& sim) {
-  Place place;
-  Eigen::Map<Eigen::Vector4d>(place.data()) = sim.rotation().coeffs();
-  Eigen::Map<Eigen::Vector3d>(place.data() + 4) = sim.translation();
-  place[7] = std::log(sim.scale());
-  return place;
+/// At most how far a step moves an image of the submap.
+double MotionOf(const BlockVector& step, const SubmapTerm& term, const Place& place) {
+  const double radius_m = std::exp(place.log_scale) * term.radius;
+  return step.head<3>().norm() + radius_m * (step.segment<3>(3).norm() + std::abs(step[6]));
 }
 
-Sim3 ToSim3(const Place& place) {
-  const PlaceView<double> view(place.data());
-  return {std::exp(view.log_scale), view.rotation, view.translation};
-}
-
-SharedImageResidual MakeSharedImageResidual(const Rigid3& first_from_camera,
-                                            const Rigid3& second_from_camera,
-                                            const FusionOptions& options) {
-  return {.position_in_first = first_from_camera.translation(),
-          .position_in_second = second_from_camera.translation(),
-          .first_from_camera = first_from_camera.rotation(),
-          .second_from_camera = second_from_camera.rotation(),
-          .inverse_sigma_m = 1 / options.overlap_sigma_m,
-          .inverse_sigma_rad = 1 / options.orientation_sigma_rad};
-}
-
-void AddOverlap(const SolverProblem& input, const OverlapTerm& term, const FusionOptions& options,
-                ceres::Problem& problem, Place& first, Place& second) {
-  // One loss per pair, shared by its images: the problem deletes each loss once.
-  ceres::LossFunction* loss = nullptr;
-  if (input.is_first_round) {
-    loss = new ceres::HuberLoss(1.0);
-  } else {
-    loss = new ceres::ScaledLoss(new ceres::CauchyLoss(2.0 * term.spread),
-                                 1 / (term.spread * term.spread), ceres::TAKE_OWNERSHIP);
+/// Steps of some submaps, one by one, while all others are held.
+class Descent {
+ public:
+  Descent(const FusionTerms& terms, OverlapLoss loss, const std::vector<bool>& is_free,
+          const FusionOptions& options, std::vector<Place>& places)
+      : terms_(terms), loss_(loss), equations_(terms, is_free, options), places_(places) {
+    cost_ = equations_.Linearise(places_, loss_);
   }
-  const FusionSubmap& a = input.submaps[term.overlap->first];
-  const FusionSubmap& b = input.submaps[term.overlap->second];
-  for (const std::uint32_t k : term.chosen) {
-    const SharedImage& image = term.overlap->images[k];
-    auto residual =
-        MakeSharedImageResidual(a.images[image.in_first].submap_from_camera.rigid(),
-                                b.images[image.in_second].submap_from_camera.rigid(), options);
-    problem.AddResidualBlock(new SharedImageCost(new SharedImageResidual(std::move(residual))),
-                             loss, first.data(), second.data());
-  }
-}
 
-void AddGnss(const FusionSubmap& submap, const FusionOptions& options, ceres::Problem& problem,
-             Place& place) {
-  std::vector<const FusionImage*> known;
-  for (const FusionImage& image : submap.images) {
-    if (image.gnss_in_map) known.push_back(&image);
-  }
-  if (known.empty()) return;
-  const auto chosen =
-      SpreadIndices(known.size(), static_cast<std::size_t>(options.max_gnss_images));
-  // Those chosen carry the weight of all.
-  const double weight =
-      options.gnss_weight * static_cast<double>(known.size()) / static_cast<double>(chosen.size());
-  auto* loss = new ceres::ScaledLoss(new ceres::HuberLoss(options.gnss_outlier_sigma), weight,
-                                     ceres::TAKE_OWNERSHIP);
-  for (const std::uint32_t k : chosen) {
-    auto* residual =
-        new GnssResidual{.position_in_submap = known[k]->submap_from_camera.translation(),
-                         .gnss_in_map = known[k]->gnss_in_map->coordinates(),
-                         .inverse_sigma_m = 1 / known[k]->gnss_sigma_m};
-    problem.AddResidualBlock(new GnssCost(residual), loss, place.data());
-  }
-}
+  std::size_t free_count() const { return equations_.free().size(); }
+  double cost() const { return cost_; }
+  double damping() const { return damping_; }
+  double longest_motion_m() const { return longest_motion_m_; }
 
-void AddPriors(const FusionSubmap& submap, const FusionOptions& options, ceres::Problem& problem,
-               Place& place) {
-  if (submap.gravity_sigma_rad) {
-    auto* residual = new GravityResidual{
-        .up_in_map = submap.map_from_enu.sim().rotation() * Eigen::Vector3d::UnitZ(),
-        .inverse_sigma_rad = 1 / *submap.gravity_sigma_rad};
-    problem.AddResidualBlock(new GravityCost(residual), nullptr, place.data());
-  }
-  // A submap of arbitrary scale keeps it: only enough to hold what its overlaps leave open.
-  const double log_scale = submap.is_geo_aligned ? 0 : place[7];
-  const double sigma = submap.is_geo_aligned ? options.scale_sigma : 1;
-  problem.AddResidualBlock(new ScaleCost(new ScaleResidual{log_scale, 1 / sigma}), nullptr,
-                           place.data());
-}
-
-ceres::Solver::Options SolverOptions(const FusionOptions& options) {
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver.max_num_iterations = options.max_iterations;
-  solver.num_threads = static_cast<int>(options.parallelism.ThreadCount());
-  solver.function_tolerance = 1e-9;
-  solver.parameter_tolerance = 1e-10;
-  solver.logging_type = ceres::SILENT;
-  return solver;
-}
-
-Result<SolverSummary> Solve(const SolverProblem& input, const FusionOptions& options,
-                            std::vector<std::optional<Sim3>>& map_from_submap) {
-  std::vector<Place> places(map_from_submap.size());
-  ceres::Problem::Options problem_options;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  using PlaceManifold =
-      ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<4>>;
-  PlaceManifold manifold;
-  ceres::Problem problem(problem_options);
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (!map_from_submap[i]) continue;
-    places[i] = ToPlace(*map_from_submap[i]);
-    problem.AddParameterBlock(places[i].data(), kPlaceSize, &manifold);
-    if (input.uses_gnss) AddGnss(input.submaps[i], options, problem, places[i]);
-    AddPriors(input.submaps[i], options, problem, places[i]);
-  }
-  for (const OverlapTerm& term : input.overlaps) {
-    const auto [a, b] = std::pair(term.overlap->first, term.overlap->second);
-    if (map_from_submap[a] && map_from_submap[b]) {
-      AddOverlap(input, term, options, problem, places[a], places[b]);
+  /// Takes a step when it lowers the cost or nothing moves by the tolerance; else raises the
+  /// damping.
+  void TryStep(double tolerance_m) {
+    const auto step = equations_.FindStep(damping_);
+    if (!step) return Damp();
+    std::vector<Place> moved = places_;
+    motions_m_.assign(step->size(), 0);
+    for (std::size_t u = 0; u < step->size(); ++u) {
+      const std::uint32_t i = equations_.free()[u];
+      motions_m_[u] = MotionOf((*step)[u], terms_.submaps[i], places_[i]);
+      moved[i].Move((*step)[u]);
+    }
+    const double longest_m = *std::max_element(motions_m_.begin(), motions_m_.end());
+    const double cost = equations_.Linearise(moved, loss_);
+    if (cost <= cost_ || longest_m < tolerance_m) {  // below it the cost is level, but for rounding
+      places_ = std::move(moved);
+      cost_ = cost;
+      // A damped step is short for another reason than that it is over.
+      longest_motion_m_ = damping_ > kLeastDamping ? std::max(longest_m, tolerance_m) : longest_m;
+      damping_ = damping_ > kLeastDamping ? damping_ / 10 : 0;
+    } else {
+      equations_.Linearise(places_, loss_);
+      Damp();
     }
   }
-  if (input.held) problem.SetParameterBlockConstant(places[*input.held].data());
 
-  // Our threads are enough: the sparse solver would start a spinning team in each of them.
-  omp_set_num_threads(1);
-  ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(options), &problem, &summary);
-  if (!summary.IsSolutionUsable()) {
-    return MakeError(ErrorCode::kUnavailable, "fusing {} submaps: the solver stopped: {}",
-                     places.size(), summary.message);
+  /// The submaps that the last step moved by this much.
+  std::vector<bool> FindMoving(double motion_m) const {
+    std::vector<bool> is_moving(places_.size(), false);
+    for (std::size_t u = 0; u < motions_m_.size(); ++u) {
+      if (motions_m_[u] >= motion_m) is_moving[equations_.free()[u]] = true;
+    }
+    return is_moving;
   }
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    if (map_from_submap[i]) map_from_submap[i] = ToSim3(places[i]);
+
+ private:
+  void Damp() {
+    damping_ = std::max(kLeastDamping, 10 * damping_);
+    longest_motion_m_ = std::numeric_limits<double>::infinity();
   }
-  return SolverSummary{static_cast<int>(summary.iterations.size()),
-                       summary.termination_type == ceres::CONVERGENCE};
+
+  const FusionTerms& terms_;
+  OverlapLoss loss_;
+  Equations equations_;
+  std::vector<Place>& places_;
+  double cost_ = 0;
+  double damping_ = 0;
+  std::vector<double> motions_m_;  // by unknown
+  double longest_motion_m_ = std::numeric_limits<double>::infinity();
+};
+
+std::size_t CountTrue(const std::vector<bool>& flags) {
+  return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
 }
 
 }  // namespace
 
-Result<SolverSummary> SolveFusion(const SolverProblem& problem, const FusionOptions& options,
-                                  std::vector<std::optional<Sim3>>& map_from_submap) {
-  try {
-    return Solve(problem, options, map_from_submap);
-  } catch (const std::exception& failure) {
-    return MakeError(ErrorCode::kUnavailable, "fusing {} submaps: {}", problem.submaps.size(),
-                     failure.what());
+void Widen(const FusionTerms& terms, const std::vector<bool>& is_free, int overlaps,
+           std::vector<bool>& is_in) {
+  for (int i = 0; i < overlaps; ++i) {
+    const std::vector<bool> before = is_in;
+    for (const OverlapTerm& term : terms.overlaps) {
+      if (before[term.first]) is_in[term.second] = true;
+      if (before[term.second]) is_in[term.first] = true;
+    }
   }
+  for (std::size_t i = 0; i < is_in.size(); ++i) is_in[i] = is_in[i] && is_free[i];
 }
 
-double WhitenedDisplacement(const Sim3& map_from_first, const Rigid3& first_from_camera,
-                            const Sim3& map_from_second, const Rigid3& second_from_camera,
-                            const FusionOptions& options) {
-  const Place first = ToPlace(map_from_first);
-  const Place second = ToPlace(map_from_second);
-  Eigen::Matrix<double, 6, 1> residual;
-  MakeSharedImageResidual(first_from_camera, second_from_camera, options)(
-      first.data(), second.data(), residual.data());
-  return residual.norm();
+Result<SolverSummary> SolveFusion(const FusionTerms& terms, OverlapLoss loss, const StopAt& stop,
+                                  const std::vector<bool>& is_free, const FusionOptions& options,
+                                  std::vector<Place>& places) {
+  // A few submaps may take long to settle, such as one between two overlaps that contradict each
+  // other. The others rest meanwhile; in the end all have to agree.
+  constexpr double kRestingMotion = 0.01;  // of the longest
+  const std::size_t all = CountTrue(is_free);
+  SolverSummary summary{.steps = 0, .converged = all == 0};
+  std::optional<Descent> descent;
+  while (!summary.converged && summary.steps < stop.steps) {
+    if (!descent) descent.emplace(terms, loss, is_free, options, places);
+    if (!std::isfinite(descent->cost())) {
+      return MakeError(ErrorCode::kUnavailable, "fusing {} submaps: the cost is {}", all,
+                       descent->cost());
+    }
+    descent->TryStep(stop.tolerance_m);
+    summary.steps += static_cast<double>(descent->free_count()) / static_cast<double>(all);
+    if (descent->damping() > kMaxDamping) break;
+    const bool is_settled = descent->longest_motion_m() < stop.tolerance_m;
+    if (is_settled && descent->free_count() == all) {
+      summary.converged = true;
+    } else if (is_settled) {
+      descent.reset();
+    } else if (std::isfinite(descent->longest_motion_m())) {
+      std::vector<bool> is_moving = descent->FindMoving(
+          std::max(stop.tolerance_m, kRestingMotion * descent->longest_motion_m()));
+      Widen(terms, is_free, 2, is_moving);
+      if (4 * CountTrue(is_moving) < descent->free_count()) {
+        descent.emplace(terms, loss, is_moving, options, places);
+      }
+    }
+  }
+  return summary;
+}
+
+Result<std::vector<double>> PredictMotions(const FusionTerms& terms,
+                                           const std::vector<bool>& is_free,
+                                           const FusionOptions& options,
+                                           const std::vector<Place>& places) {
+  Equations equations(terms, is_free, options);
+  equations.Linearise(places, OverlapLoss::kCauchy);
+  const auto step = equations.FindStep(0);
+  if (!step) {
+    return MakeError(ErrorCode::kUnavailable, "fusing {} submaps: the equations have no solution",
+                     equations.free().size());
+  }
+  std::vector<double> motions_m(places.size(), 0);
+  for (std::size_t u = 0; u < step->size(); ++u) {
+    const std::uint32_t i = equations.free()[u];
+    motions_m[i] = MotionOf((*step)[u], terms.submaps[i], places[i]);
+  }
+  return motions_m;
 }
 
 }  // namespace waymark::mapping

@@ -24,7 +24,8 @@ struct Overlap {
 };
 
 /// Every pair of submaps with shared images, sorted.
-std::vector<Overlap> FindOverlaps(std::span<const FusionSubmap> submaps);
+/// Errors: InvalidArgument when a submap holds an image twice.
+Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps);
 
 /// The similarity between two submaps that most of their shared images agree on: rotation by the
 /// image whose relative rotation is nearest to all others, scale and translation by medians.

@@ -1,42 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
 #include <vector>
 
-#include "mapping/fusion/fusion.h"
-#include "mapping/fusion/internal/overlap.h"
+#include "mapping/fusion/internal/terms.h"
 
 namespace waymark::mapping {
 
-/// How an overlap enters the cost: Huber in the first round, Cauchy in the second.
-struct OverlapTerm {
-  const Overlap* overlap;
-  std::vector<std::uint32_t> chosen;  ///< indices into overlap->images
-  double spread = 1;                  ///< expected size of a residual, in sigmas
-};
-
-struct SolverProblem {
-  std::span<const FusionSubmap> submaps;
-  std::span<const OverlapTerm> overlaps;
-  std::optional<std::uint32_t> held;
-  bool uses_gnss = true;
-  bool is_first_round = true;
+struct StopAt {
+  double tolerance_m;  ///< no image moves by more
+  double steps;        ///< of all free submaps; a step of some counts for their share
 };
 
 struct SolverSummary {
-  int iterations = 0;
+  double steps = 0;
   bool converged = false;
 };
 
-/// Refines the places of all submaps that have one. The only door to Ceres in this folder.
-/// Errors: Unavailable when the solver gives up without a usable solution.
-Result<SolverSummary> SolveFusion(const SolverProblem& problem, const FusionOptions& options,
-                                  std::vector<std::optional<Sim3>>& map_from_submap);
+/// Moves the free submaps to where the cost is least and holds all others: Gauss-Newton on
+/// reweighted least squares, damped when a step does not lower the cost.
+/// Shapes: is_free and places are by submap; a submap without a place is not free.
+/// Errors: Unavailable when the cost is not a number.
+Result<SolverSummary> SolveFusion(const FusionTerms& terms, OverlapLoss loss, const StopAt& stop,
+                                  const std::vector<bool>& is_free, const FusionOptions& options,
+                                  std::vector<Place>& places);
 
-/// A shared image's displacement in sigmas: what the loss functions see.
-double WhitenedDisplacement(const Sim3& map_from_first, const Rigid3& first_from_camera,
-                            const Sim3& map_from_second, const Rigid3& second_from_camera,
-                            const FusionOptions& options);
+/// How far the next step of all free submaps together would move each (its images at most); zero
+/// for the others.
+/// Errors: Unavailable when the equations have no solution.
+Result<std::vector<double>> PredictMotions(const FusionTerms& terms,
+                                           const std::vector<bool>& is_free,
+                                           const FusionOptions& options,
+                                           const std::vector<Place>& places);
+
+/// Adds the free submaps that can be reached through so many overlaps.
+void Widen(const FusionTerms& terms, const std::vector<bool>& is_free, int overlaps,
+           std::vector<bool>& is_in);
+
+/// Sets the spread of every overlap: the median displacement of its images, in sigmas, after the
+/// two submaps are aligned to each other alone, so that it does not depend on the rest of the map.
+void EstimateSpreads(const std::vector<Place>& places, const FusionOptions& options,
+                     FusionTerms& terms);
 
 }  // namespace waymark::mapping

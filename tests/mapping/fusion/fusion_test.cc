@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "tests/mapping/fusion/city.h"
 #include "tests/mapping/fusion/street.h"
 
 namespace waymark::mapping {
@@ -14,6 +15,11 @@ Fusion Fuse(const Street& street, const FusionOptions& options = {}) {
   auto fusion = FuseSubmaps(street.submaps, options);
   EXPECT_TRUE(fusion.ok()) << (fusion.ok() ? "" : fusion.error().message);
   return fusion.ok() ? *fusion : Fusion{};
+}
+
+std::pair<double, double> Errors(const CityOptions& options) {
+  const City city = MakeCity(options);
+  return MeasureCentres(city, *FuseSubmaps(city.submaps, {}));
 }
 
 TEST(Fusion, ExactDataIsPlacedExactly) {
@@ -96,6 +102,76 @@ TEST(Fusion, WrongOverlapsDoNotPull) {
     EXPECT_LT(submap.overlap_rms_m, 0.1);
   }
   EXPECT_EQ(disagreeing, 2 * spoiled);
+}
+
+TEST(Fusion, AThirdOfWrongImagesDoesNotPull) {
+  // What error there is comes from their fixes, which are true and so at wrong places.
+  const auto [rms_m, worst_m] = Errors({.submaps = 60, .wrong_images = 0.3, .gnss_noise_m = 0.5});
+  EXPECT_LT(rms_m, 0.3);
+  EXPECT_LT(worst_m, 0.5);
+}
+
+TEST(Fusion, ATenthOfWrongOverlapsDoesNotPull) {
+  CityOptions options{.submaps = 100, .wrong_overlaps = 0.1, .gnss_noise_m = 0.5};
+  const auto [rms_m, worst_m] = Errors(options);
+  EXPECT_LT(rms_m, 0.1);
+  EXPECT_LT(worst_m, 0.4);
+}
+
+/// Two submaps share what looks like one house and is two.
+TEST(Fusion, AWhollyWrongOverlapIsLetGoOf) {
+  City city = MakeCity({.submaps = 60, .gnss_noise_m = 0.5});
+  const Fusion before = *FuseSubmaps(city.submaps, {});
+  const Rigid3 where(RotationFromVector({0, 0, 0.4}), {6, -4, 0});
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    for (const std::size_t s : {std::size_t{5}, std::size_t{50}}) {
+      const Rigid3 pose(RotationFromVector({-1.5, 0, 0.1}), {double(k), 2, 1});
+      city.submaps[s].images.push_back(
+          {.image = 1'000'000 + k, .submap_from_camera = Transform<Submap, Camera>(where * pose)});
+    }
+  }
+  const Fusion after = *FuseSubmaps(city.submaps, {});
+  for (const std::size_t s : {std::size_t{5}, std::size_t{50}}) {
+    EXPECT_EQ(after.submaps[s].disagreeing_images, before.submaps[s].disagreeing_images + 20);
+  }
+  for (std::size_t s = 0; s < city.submaps.size(); ++s) {
+    EXPECT_LT((after.submaps[s].map_from_submap->sim().translation() -
+               before.submaps[s].map_from_submap->sim().translation())
+                  .norm(),
+              0.01);
+  }
+}
+
+TEST(Fusion, EqualInputGivesEqualBytesOnAnyNumberOfThreads) {
+  const City city = MakeCity({.submaps = 200, .wrong_overlaps = 0.1});
+  const Fusion one = *FuseSubmaps(city.submaps, {.parallelism = {.threads = 1}});
+  for (const int threads : {1, 3}) {
+    const Fusion again = *FuseSubmaps(city.submaps, {.parallelism = {.threads = threads}});
+    for (std::size_t s = 0; s < city.submaps.size(); ++s) {
+      const Sim3& a = one.submaps[s].map_from_submap->sim();
+      const Sim3& b = again.submaps[s].map_from_submap->sim();
+      EXPECT_EQ(a.translation(), b.translation());
+      EXPECT_EQ(a.rotation().coeffs(), b.rotation().coeffs());
+      EXPECT_EQ(a.scale(), b.scale());
+    }
+  }
+}
+
+TEST(Fusion, AScaleThatIsWellKnownIsKept) {
+  // The fixes lie: their street is 4 % longer than the submap's own metre says.
+  Street street = MakeStreet({.submaps = 1});
+  const Eigen::Vector3d centre = street.map_from_submap[0].translation();
+  for (FusionImage& image : street.submaps[0].images) {
+    const Eigen::Vector3d fix = image.gnss_in_map->coordinates();
+    image.gnss_in_map = Point<Map>(Eigen::Vector3d(centre + 1.04 * (fix - centre)));
+  }
+  const auto fuse = [&](std::optional<double> scale_sigma) {
+    street.submaps[0].scale_sigma = scale_sigma;
+    return Fuse(street).submaps[0].map_from_submap->sim().scale();
+  };
+  EXPECT_GT(fuse(std::nullopt), 1.02) << "the options' 5 % yield to the fixes";
+  EXPECT_EQ(fuse(0.05), fuse(std::nullopt));
+  EXPECT_NEAR(fuse(0.0005), 1, 0.001);
 }
 
 TEST(Fusion, GnssOutliersDoNotPull) {
@@ -210,6 +286,9 @@ TEST(Fusion, RefusesWrongInput) {
   street.submaps[1].images.clear();
   EXPECT_FALSE(FuseSubmaps(street.submaps, {}).ok());
   EXPECT_TRUE(FuseSubmaps({}, {})->submaps.empty());
+  street = MakeStreet({.submaps = 2});
+  street.submaps[1].scale_sigma = 0;
+  EXPECT_EQ(FuseSubmaps(street.submaps, {}).error().code, ErrorCode::kInvalidArgument);
 }
 
 }  // namespace

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/fusion/internal/block_cholesky.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <limits>
+
+namespace waymark::mapping {
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+/// Unknowns in the order of their elimination: minimum degree, so that little fills in.
+std::vector<std::uint32_t> ChooseOrder(std::size_t size, std::span<const BlockEdge> edges) {
+  const int n = static_cast<int>(size);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  entries.reserve(2 * edges.size() + size);
+  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
+  for (const BlockEdge& edge : edges) {
+    const int a = static_cast<int>(edge.first), b = static_cast<int>(edge.second);
+    entries.emplace_back(a, b, 1);
+    entries.emplace_back(b, a, 1);
+  }
+  Eigen::SparseMatrix<double, Eigen::ColMajor, int> pattern(n, n);
+  pattern.setFromTriplets(entries.begin(), entries.end());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(pattern, order);
+  return {order.indices().begin(), order.indices().end()};
+}
+
+/// target -= a * b^T.
+template <typename Padded>
+void SubtractProduct(const Padded& a, const Padded& b, Padded& target) {
+  for (int column = 0; column < 7; ++column) {
+    Eigen::Matrix<double, 8, 1> sum = a.col(0) * b(column, 0);
+    for (int k = 1; k < 7; ++k) sum += a.col(k) * b(column, k);
+    target.col(column) -= sum;
+  }
+}
+
+}  // namespace
+
+BlockCholesky::BlockCholesky(std::size_t size, std::span<const BlockEdge> edges)
+    : unknown_at_(ChooseOrder(size, edges)),
+      position_of_(size),
+      diagonal_(size),
+      inverse_diagonal_(size) {
+  for (std::uint32_t i = 0; i < size; ++i) position_of_[unknown_at_[i]] = i;
+  FindStructure(edges);
+}
+
+void BlockCholesky::FindStructure(std::span<const BlockEdge> edges) {
+  const std::size_t size = unknown_at_.size();
+  std::vector<std::vector<std::uint32_t>> below(size);
+  for (const BlockEdge& edge : edges) {
+    const auto [column, row] = std::minmax(position_of_[edge.first], position_of_[edge.second]);
+    below[column].push_back(row);
+  }
+  // A column of L holds what the matrix has there and what its children in the elimination tree
+  // hold below their parent.
+  std::vector<std::vector<std::uint32_t>> children(size);
+  std::vector<std::uint32_t> seen_by(size, kNone);
+  begin_.assign(1, 0);
+  for (std::uint32_t column = 0; column < size; ++column) {
+    const auto begin = static_cast<std::ptrdiff_t>(rows_.size());
+    const auto add = [&](std::uint32_t row) {
+      if (row == column || seen_by[row] == column) return;
+      seen_by[row] = column;
+      rows_.push_back(row);
+    };
+    for (const std::uint32_t row : below[column]) add(row);
+    for (const std::uint32_t child : children[column]) {
+      for (std::uint32_t k = begin_[child]; k < begin_[child + 1]; ++k) add(rows_[k]);
+    }
+    std::sort(rows_.begin() + begin, rows_.end());
+    begin_.push_back(static_cast<std::uint32_t>(rows_.size()));
+    if (begin_[column] < begin_[column + 1]) children[rows_[begin_[column]]].push_back(column);
+  }
+  blocks_.resize(rows_.size());
+  for (const BlockEdge& edge : edges) {
+    const std::uint32_t first = position_of_[edge.first], second = position_of_[edge.second];
+    const auto [column, row] = std::minmax(first, second);
+    const auto found =
+        std::lower_bound(rows_.begin() + begin_[column], rows_.begin() + begin_[column + 1], row);
+    slots_.push_back({static_cast<std::uint32_t>(found - rows_.begin()), first < second});
+  }
+}
+
+bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double absolute) {
+  const auto size = static_cast<std::uint32_t>(unknown_at_.size());
+  for (std::uint32_t i = 0; i < size; ++i) {
+    diagonal_[i].setZero();
+    diagonal_[i].topRows<7>() = matrix.diagonal[unknown_at_[i]];
+    diagonal_[i].diagonal() *= 1 + relative;
+    diagonal_[i].diagonal().array() += absolute;
+  }
+  for (PaddedBlock& block : blocks_) block.setZero();
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    const Block& block = matrix.off_diagonal[k];
+    auto target = blocks_[slots_[k].block].topRows<7>();
+    if (slots_[k].is_transposed) target = block.transpose();
+    if (!slots_[k].is_transposed) target = block;
+  }
+  // waiting[j]: the finished columns whose next row is j, as a chain through `next`.
+  std::vector<std::uint32_t> waiting(size, kNone), next(size, kNone);
+  std::vector<std::uint32_t> reached(begin_.begin(), begin_.end() - 1);
+  std::vector<std::uint32_t> slot_of_row(size, kNone);
+  const auto wait = [&](std::uint32_t column) {
+    if (reached[column] == begin_[column + 1]) return;
+    std::uint32_t& head = waiting[rows_[reached[column]]];
+    next[column] = std::exchange(head, column);
+  };
+  for (std::uint32_t j = 0; j < size; ++j) {
+    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) slot_of_row[rows_[k]] = k;
+    for (std::uint32_t c = waiting[j]; c != kNone;) {
+      const std::uint32_t following = next[c];
+      const PaddedBlock& across = blocks_[reached[c]];
+      SubtractProduct(across, across, diagonal_[j]);
+      for (std::uint32_t k = reached[c] + 1; k < begin_[c + 1]; ++k) {
+        SubtractProduct(blocks_[k], across, blocks_[slot_of_row[rows_[k]]]);
+      }
+      ++reached[c];
+      wait(c);
+      c = following;
+    }
+    if (!FactorColumn(j)) return false;
+    wait(j);
+  }
+  return true;
+}
+
+bool BlockCholesky::FactorColumn(std::uint32_t column) {
+  const Eigen::LLT<Block> factor(diagonal_[column].topRows<7>());
+  if (factor.info() != Eigen::Success) return false;
+  Block& inverse = inverse_diagonal_[column];
+  inverse.setIdentity();
+  factor.matrixL().solveInPlace(inverse);
+  PaddedBlock across;
+  across.topRows<7>() = -inverse;
+  for (std::uint32_t k = begin_[column]; k < begin_[column + 1]; ++k) {
+    const PaddedBlock block = blocks_[k];
+    blocks_[k].setZero();
+    SubtractProduct(block, across, blocks_[k]);
+  }
+  return true;
+}
+
+std::vector<BlockVector> BlockCholesky::Solve(std::span<const BlockVector> right) const {
+  const std::size_t size = unknown_at_.size();
+  std::vector<BlockVector> x(size);
+  for (std::size_t j = 0; j < size; ++j) x[j] = right[unknown_at_[j]];
+  for (std::size_t j = 0; j < size; ++j) {
+    x[j] = inverse_diagonal_[j].lazyProduct(x[j]).eval();
+    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+      x[rows_[k]].noalias() -= blocks_[k].topRows<7>().lazyProduct(x[j]);
+    }
+  }
+  for (std::size_t j = size; j-- > 0;) {
+    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+      x[j].noalias() -= blocks_[k].topRows<7>().transpose().lazyProduct(x[rows_[k]]);
+    }
+    x[j] = inverse_diagonal_[j].transpose().lazyProduct(x[j]).eval();
+  }
+  std::vector<BlockVector> solution(size);
+  for (std::size_t j = 0; j < size; ++j) solution[unknown_at_[j]] = x[j];
+  return solution;
+}
+
+}  // namespace waymark::mapping

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace waymark::mapping {
+
+/// Seven numbers move a submap: translation, rotation, logarithm of the scale.
+using Block = Eigen::Matrix<double, 7, 7>;
+using BlockVector = Eigen::Matrix<double, 7, 1>;
+
+/// A pair of unknowns with a block of the matrix in common.
+struct BlockEdge {
+  std::uint32_t first;
+  std::uint32_t second;
+};
+
+/// A symmetric matrix of 7x7 blocks. `off_diagonal[k]` has the rows of edge k's first unknown and
+/// the columns of its second.
+struct BlockMatrix {
+  std::vector<Block> diagonal;
+  std::vector<Block> off_diagonal;
+};
+
+/// Factorises symmetric positive definite matrices of one sparsity pattern: L L^T, left-looking,
+/// after a minimum-degree ordering of the blocks. Thread-compatible; the order of all operations
+/// is fixed by the pattern.
+/// Source: Davis, "Direct Methods for Sparse Linear Systems", SIAM 2006, chapters 4 and 7.
+class BlockCholesky {
+ public:
+  /// Shapes: edges are distinct pairs of distinct unknowns below `size`.
+  BlockCholesky(std::size_t size, std::span<const BlockEdge> edges);
+
+  /// Factorises the matrix with `(1 + relative) * d + absolute` for every element d of its
+  /// diagonal. False when the outcome is not positive definite.
+  bool Factor(const BlockMatrix& matrix, double relative, double absolute);
+
+  /// The x with `matrix * x == right`, after a successful Factor.
+  std::vector<BlockVector> Solve(std::span<const BlockVector> right) const;
+
+ private:
+  /// A block of L, with a row of zeros more: columns of even length fill vector registers.
+  using PaddedBlock = Eigen::Matrix<double, 8, 7>;
+
+  /// Where an edge's block begins its life as a block of L.
+  struct Slot {
+    std::uint32_t block;
+    bool is_transposed;
+  };
+
+  void FindStructure(std::span<const BlockEdge> edges);
+  bool FactorColumn(std::uint32_t column);
+
+  std::vector<std::uint32_t> unknown_at_;   // by position in the order of elimination
+  std::vector<std::uint32_t> position_of_;  // by unknown
+  std::vector<std::uint32_t> begin_;        // of each column's blocks below the diagonal
+  std::vector<std::uint32_t> rows_;         // of those blocks, ascending in a column
+  std::vector<Slot> slots_;                 // by edge
+  std::vector<PaddedBlock> blocks_;         // of L, below the diagonal
+  std::vector<PaddedBlock> diagonal_;       // still to be factorised
+  std::vector<Block> inverse_diagonal_;     // of L
+};
+
+}  // namespace waymark::mapping

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "mapping/fusion/internal/terms.h"
+
+namespace waymark::mapping {
+
+/// The equations of the free submaps while the others are held. Borrows its arguments.
+/// Thread-compatible; its numbers do not depend on how many threads it uses inside.
+class Equations {
+ public:
+  Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
+            const FusionOptions& options);
+
+  /// The free submaps, by unknown.
+  const std::vector<std::uint32_t>& free() const { return free_; }
+
+  /// Sets up the equations at these places; returns the cost of all terms that a free submap is in.
+  double Linearise(const std::vector<Place>& places, OverlapLoss loss);
+
+  /// The step, by unknown, to where the equations expect the least cost; nothing when they are not
+  /// positive definite. A higher damping makes it shorter.
+  std::optional<std::vector<BlockVector>> FindStep(double damping);
+
+ private:
+  double AddOverlaps();
+
+  const FusionTerms& terms_;
+  const FusionOptions& options_;
+  std::vector<std::uint32_t> unknown_of_;  // by submap
+  std::vector<std::uint32_t> free_;
+  std::vector<const OverlapTerm*> overlaps_;  // with a free submap
+  std::vector<OverlapEquations> of_overlap_;
+  BlockMatrix matrix_;
+  std::vector<BlockVector> gradient_;
+  std::optional<BlockCholesky> cholesky_;
+};
+
+}  // namespace waymark::mapping

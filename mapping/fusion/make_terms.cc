@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/fusion/internal/terms.h"
+
+namespace waymark::mapping {
+namespace {
+
+SubmapTerm MakeSubmapTerm(const FusionSubmap& submap, const std::optional<Sim3>& place,
+                          bool uses_gnss, const FusionOptions& options) {
+  SubmapTerm term;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const FusionImage& image : submap.images) {
+    sum += image.submap_from_camera.rigid().translation();
+  }
+  term.centroid_in_submap = sum / static_cast<double>(submap.images.size());
+  std::vector<const FusionImage*> known;
+  for (const FusionImage& image : submap.images) {
+    const Eigen::Vector3d& position = image.submap_from_camera.rigid().translation();
+    term.radius = std::max(term.radius, (position - term.centroid_in_submap).norm());
+    if (image.gnss_in_map && uses_gnss) known.push_back(&image);
+  }
+  for (const std::uint32_t k :
+       SpreadIndices(known.size(), static_cast<std::size_t>(options.max_gnss_images))) {
+    term.fixes.push_back(
+        {known[k]->submap_from_camera.rigid().translation() - term.centroid_in_submap,
+         known[k]->gnss_in_map->coordinates(), 1 / known[k]->gnss_sigma_m});
+  }
+  if (!known.empty()) {  // those chosen carry the weight of all
+    term.fix_weight = options.gnss_weight * static_cast<double>(known.size()) /
+                      static_cast<double>(term.fixes.size());
+  }
+  term.gravity_sigma_rad = submap.gravity_sigma_rad;
+  term.up_in_map = submap.map_from_enu.sim().rotation() * Eigen::Vector3d::UnitZ();
+  if (submap.scale_sigma) {
+    term.scale_sigma = *submap.scale_sigma;
+  } else if (submap.is_geo_aligned) {
+    term.scale_sigma = options.scale_sigma;
+  } else if (place) {
+    // A submap of unknown scale keeps it: only enough to hold what its overlaps leave open.
+    term.log_scale = std::log(place->scale());
+  }
+  return term;
+}
+
+OverlapTerm MakeOverlapTerm(const Overlap& overlap, std::span<const FusionSubmap> submaps,
+                            std::span<const SubmapTerm> terms, const FusionOptions& options) {
+  OverlapTerm term{.first = overlap.first, .second = overlap.second, .images = {}};
+  const auto chosen =
+      SpreadIndices(overlap.images.size(), static_cast<std::size_t>(options.max_shared_images));
+  term.images.reserve(chosen.size());
+  for (const std::uint32_t k : chosen) {
+    const SharedImage& image = overlap.images[k];
+    const Rigid3& first = submaps[term.first].images[image.in_first].submap_from_camera.rigid();
+    const Rigid3& second = submaps[term.second].images[image.in_second].submap_from_camera.rigid();
+    term.images.push_back({first.translation() - terms[term.first].centroid_in_submap,
+                           second.translation() - terms[term.second].centroid_in_submap,
+                           second.rotation() * first.rotation().conjugate()});
+  }
+  return term;
+}
+
+}  // namespace
+
+FusionTerms MakeTerms(std::span<const FusionSubmap> submaps, std::span<const Overlap> overlaps,
+                      std::span<const std::optional<Sim3>> places, bool uses_gnss,
+                      const FusionOptions& options) {
+  FusionTerms terms;
+  terms.submaps.reserve(submaps.size());
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    terms.submaps.push_back(MakeSubmapTerm(submaps[i], places[i], uses_gnss, options));
+  }
+  terms.overlaps.reserve(overlaps.size());
+  for (const Overlap& overlap : overlaps) {
+    if (!places[overlap.first] || !places[overlap.second]) continue;
+    terms.overlaps.push_back(MakeOverlapTerm(overlap, submaps, terms.submaps, options));
+  }
+  return terms;
+}
+
+}  // namespace waymark::mapping

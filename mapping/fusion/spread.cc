@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "mapping/fusion/internal/solver.h"
+
+namespace waymark::mapping {
+namespace {
+
+constexpr double kMaxSpread = 10;  // a pair further apart than this is wrong, not imprecise
+
+/// Moves the second submap to where the overlap alone wants it.
+void Align(const OverlapTerm& term, OverlapLoss loss, const FusionOptions& options,
+           const Place& first, Place& second) {
+  constexpr int kMaxSteps = 20;
+  constexpr double kSmallStep = 1e-4;       // metres and radians
+  constexpr double kLeastStiffness = 1e-6;  // few images leave directions open
+  OverlapEquations equations;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    Linearise(term, first, second, loss, options, equations);
+    equations.second.diagonal().array() += kLeastStiffness;
+    const BlockVector step = -equations.second.llt().solve(equations.gradient_second);
+    second.Move(step);
+    if (step.norm() < kSmallStep) break;
+  }
+}
+
+/// The median displacement per component, in sigmas.
+double MeasureSpread(const OverlapTerm& term, const FusionOptions& options, const Place& first,
+                     const Place& second) {
+  const Eigen::Matrix3d map_from_first = first.MapFromArm();
+  const Eigen::Matrix3d map_from_second = second.MapFromArm();
+  std::vector<double> squares;
+  for (const CommonImage& image : term.images) {
+    const Eigen::Vector3d shift = first.centroid_in_map + map_from_first * image.arm_in_first -
+                                  second.centroid_in_map - map_from_second * image.arm_in_second;
+    const Eigen::Vector3d turn =
+        CompareOrientations(first.rotation, second.rotation, image.second_from_first).shift_rad;
+    squares.push_back((shift / options.overlap_sigma_m).squaredNorm() +
+                      (turn / options.orientation_sigma_rad).squaredNorm());
+  }
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle / 6);
+}
+
+/// Huber first; when that is not the end of it, Cauchy ever narrower, so that wrong images let go,
+/// and the least spread on the way.
+double EstimateSpread(OverlapTerm term, const Place& first, Place second,
+                      const FusionOptions& options) {
+  Align(term, OverlapLoss::kHuber, options, first, second);
+  double least = MeasureSpread(term, options, first, second);
+  for (const double spread : {8, 4, 2, 1}) {
+    if (least <= 1) break;
+    term.spread = spread;
+    Align(term, OverlapLoss::kCauchy, options, first, second);
+    least = std::min(least, MeasureSpread(term, options, first, second));
+  }
+  return std::clamp(least, 1.0, kMaxSpread);
+}
+
+}  // namespace
+
+void EstimateSpreads(const std::vector<Place>& places, const FusionOptions& options,
+                     FusionTerms& terms) {
+  ParallelFor(terms.overlaps.size(), options.parallelism, [&](std::size_t k) {
+    OverlapTerm& term = terms.overlaps[k];
+    term.spread = EstimateSpread(term, places[term.first], places[term.second], options);
+  });
+}
+
+}  // namespace waymark::mapping

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/fusion/internal/block_cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+#include <set>
+
+namespace waymark::mapping {
+namespace {
+
+struct RandomSystem {
+  std::vector<BlockEdge> edges;
+  BlockMatrix matrix;
+  Eigen::MatrixXd dense;
+};
+
+/// Positive definite, as every edge adds J^T J with J over both its unknowns.
+RandomSystem MakeSystem(int size, int edge_count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_int_distribution<int> any(0, size - 1);
+  RandomSystem system;
+  system.matrix.diagonal.assign(static_cast<std::size_t>(size), Block::Identity());
+  std::set<std::pair<int, int>> seen;
+  for (int e = 0; e < edge_count; ++e) {
+    const int a = any(random), b = any(random);
+    if (a == b || !seen.insert(std::minmax(a, b)).second) continue;
+    const Eigen::Matrix<double, 7, 14> j = Eigen::Matrix<double, 7, 14>::NullaryExpr(
+        [&] { return std::normal_distribution<double>()(random); });
+    system.edges.push_back({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)});
+    system.matrix.diagonal[static_cast<std::size_t>(a)] +=
+        j.leftCols<7>().transpose() * j.leftCols<7>();
+    system.matrix.diagonal[static_cast<std::size_t>(b)] +=
+        j.rightCols<7>().transpose() * j.rightCols<7>();
+    system.matrix.off_diagonal.push_back(j.leftCols<7>().transpose() * j.rightCols<7>());
+  }
+  system.dense.setZero(7 * size, 7 * size);
+  for (int i = 0; i < size; ++i) {
+    system.dense.block<7, 7>(7 * i, 7 * i) = system.matrix.diagonal[static_cast<std::size_t>(i)];
+  }
+  for (std::size_t e = 0; e < system.edges.size(); ++e) {
+    const auto a = static_cast<int>(system.edges[e].first);
+    const auto b = static_cast<int>(system.edges[e].second);
+    system.dense.block<7, 7>(7 * a, 7 * b) = system.matrix.off_diagonal[e];
+    system.dense.block<7, 7>(7 * b, 7 * a) = system.matrix.off_diagonal[e].transpose();
+  }
+  return system;
+}
+
+TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
+  for (const auto& [size, edges] : {std::pair(1, 0), std::pair(2, 1), std::pair(12, 0),
+                                    std::pair(30, 40), std::pair(40, 300)}) {
+    const RandomSystem system = MakeSystem(size, edges, 7);
+    BlockCholesky cholesky(static_cast<std::size_t>(size), system.edges);
+    ASSERT_TRUE(cholesky.Factor(system.matrix, 0.5, 0.25));
+    Eigen::MatrixXd damped = system.dense;
+    damped.diagonal() = 1.5 * damped.diagonal().array() + 0.25;
+    const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(7 * size, -1, 2);
+    std::vector<BlockVector> right_blocks(static_cast<std::size_t>(size));
+    for (int i = 0; i < size; ++i)
+      right_blocks[static_cast<std::size_t>(i)] = right.segment<7>(7 * i);
+    const Eigen::VectorXd expected = damped.llt().solve(right);
+    const auto found = cholesky.Solve(right_blocks);
+    for (int i = 0; i < size; ++i) {
+      EXPECT_LT((found[static_cast<std::size_t>(i)] - expected.segment<7>(7 * i)).norm(), 1e-9)
+          << size << " unknowns, " << edges << " edges";
+    }
+  }
+}
+
+TEST(BlockCholesky, FactorsAgainWithOtherNumbers) {
+  RandomSystem system = MakeSystem(20, 40, 8);
+  BlockCholesky cholesky(20, system.edges);
+  const std::vector<BlockVector> right(20, BlockVector::Ones());
+  ASSERT_TRUE(cholesky.Factor(system.matrix, 0, 0));
+  const auto before = cholesky.Solve(right);
+  for (Block& block : system.matrix.diagonal) block *= 4;
+  for (Block& block : system.matrix.off_diagonal) block *= 4;
+  ASSERT_TRUE(cholesky.Factor(system.matrix, 0, 0));
+  const auto after = cholesky.Solve(right);
+  for (std::size_t i = 0; i < 20; ++i) EXPECT_LT((4 * after[i] - before[i]).norm(), 1e-12);
+}
+
+TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
+  RandomSystem system = MakeSystem(10, 20, 9);
+  system.matrix.diagonal[4](2, 2) = -1;
+  BlockCholesky cholesky(10, system.edges);
+  EXPECT_FALSE(cholesky.Factor(system.matrix, 0, 0));
+}
+
+}  // namespace
+}  // namespace waymark::mapping
