@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 
 namespace waymark::mapping::internal {
 namespace {
@@ -84,6 +84,23 @@ void MeasureTears(const Way& way, const VerificationOptions& options, Kinematics
       }
     }
     found.tears.push_back({way[k].image, way[k + 1].image, least * bound, bound});
+  }
+}
+
+// From one velocity to another at once, as when a camera hangs and shows a standing car.
+void MeasureKinks(const Way& way, const VerificationOptions& options, Kinematics& found) {
+  for (std::size_t k = 3; k + 3 < way.size(); ++k) {
+    double least = std::numeric_limits<double>::infinity();
+    double bound = 0;
+    for (const std::size_t a : {k, k - 1}) {
+      for (const std::size_t b : {k, k + 1}) {
+        const Change change = CompareVelocities(way[a - 2], way[a], way[b], way[b + 2], options);
+        if (change.mps / change.bound >= least) continue;
+        least = change.mps / change.bound;
+        bound = change.bound;
+      }
+    }
+    found.tears.push_back({way[k].image, way[k].image, least * bound, bound});
   }
 }
 
@@ -195,6 +212,7 @@ Kinematics MeasureKinematics(const Reconstruction& reconstruction,
   for (const Way& way : CollectWays(reconstruction, images)) {
     MeasureAccelerations(way, options, found);
     if (way.size() >= 7) MeasureTears(way, options, found);
+    MeasureKinks(way, options, found);
     const std::vector<Step> steps = CollectSteps(way, options);
     if (steps.empty()) continue;
     const Eigen::Vector3d axis = FindAxis(steps);

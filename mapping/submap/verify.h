@@ -55,7 +55,7 @@ struct VerificationOptions {
 
   // Creeping turns against the integrated gyroscope.
   double gyroscope_bias_sigma_rad_per_s = 0.002;  ///< per axis, constant within a submap
-  double max_gyroscope_bias_rad_per_s = 0.008;    ///< more than this is a bend, not a bias
+  double max_gyroscope_bias_rad_per_s = 0.0095;   ///< more than this is a bend, not a bias
   double max_rotation_drift_rad = 0.015;          ///< of an image, beside the bias, plus
   double max_gyroscope_scale_error = 0.005;       ///< times the angle turned
 
@@ -74,7 +74,7 @@ struct VerificationOptions {
   double max_yaw_rate_error_rad_per_s = 0.2;  ///< of the path's heading against the camera's turn
 
   // Shape against GNSS.
-  double max_shape_error_m = 0.4;  ///< largest displacement by a drift of scale or heading, plus
+  double max_shape_error_m = 0.5;  ///< largest displacement by a drift of scale or heading, plus
   double max_shape_sigmas = 4;     ///< times how well GNSS knows it
 
   Result<void> Validate() const;

@@ -12,7 +12,7 @@ namespace waymark::mapping::internal {
 struct Kinematics {
   std::vector<PairCheck> speeds;
   std::vector<PairCheck> accelerations;  ///< changes of velocity, m/s
-  std::vector<PairCheck> tears;          ///< steps that no acceleration leads into or out of, m/s
+  std::vector<PairCheck> tears;          ///< steps and stops that no acceleration explains, m/s
 
   bool is_vehicle = false;            ///< the rest is only measured then
   std::vector<PairCheck> sideways;    ///< rad between a step and the camera's usual direction

@@ -133,6 +133,15 @@ TEST(VerifyMotion, OneStepThatDividesTheSubmapIsATear) {
   EXPECT_THAT(drive.Verify().verdict, HasSubstr("steps tear the path"));
 }
 
+TEST(VerifyMotion, StandingStillAtOnceIsATear) {
+  Drive drive;
+  for (std::size_t i = 41; i < 60; ++i) {
+    drive.Pose(i, drive.Pose(40).rotation(), drive.Pose(40).translation());
+  }
+  drive.rotations.clear();
+  EXPECT_THAT(drive.Verify().verdict, HasSubstr("tear the path"));
+}
+
 TEST(VerifyRotation, RejectsABendTooSlowForPairs) {
   Drive drive;
   for (std::size_t i = 0; i < 60; ++i) {  // out and back again, 0.004 rad between neighbours
