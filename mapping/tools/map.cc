@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
       "  waymark-map import photos PHOTOS --out street   phone photos become an experience\n"
       "  waymark-map add MAP street drive1 drive2        makes MAP, or adds to it\n"
       "  waymark-map info MAP                            what is in it, what was refused and why\n"
+      "  waymark-map report MAP                          how building went, with all figures\n"
       "  waymark-map remove MAP --experience drive1      takes it out again\n"
       "  waymark-map diff MAP                            what moved with the live release\n"
       "  waymark-map export MAP --format colmap --out model\n"
@@ -25,6 +26,7 @@ int main(int argc, char** argv) {
   RegisterAdd(app, exit_code);
   RegisterBuildSubmap(app, exit_code);
   RegisterInfo(app, exit_code);
+  RegisterReport(app, exit_code);
   RegisterRemove(app, exit_code);
   RegisterPrune(app, exit_code);
   RegisterReleases(app, exit_code);

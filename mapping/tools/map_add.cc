@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include "mapping/pipeline/pipeline.h"
 #include "mapping/tools/interruption.h"
+#include "mapping/tools/left_out_listing.h"
 #include "mapping/tools/map_commands.h"
 #include "mapping/tools/movement.h"
 #include "mapping/tools/progress_display.h"
@@ -63,27 +63,9 @@ void PrintSubmaps(const AddReport& report) {
   }
 }
 
-/// Images with the same fate share a line.
-void PrintLeftOut(const AddReport& report) {
-  constexpr std::size_t kNamesShown = 30;
-  if (report.left_out.empty()) return;
-  std::map<std::pair<ExperienceId, std::string>, std::vector<std::string>> names_by_reason;
-  for (const LeftOutImage& image : report.left_out) {
-    names_by_reason[{image.experience, image.reason}].push_back(image.name);
-  }
-  fmt::print("left out: {} images\n", report.left_out.size());
-  for (const auto& [key, names] : names_by_reason) {
-    const std::size_t shown = std::min(kNamesShown, names.size());
-    fmt::print("  {}: {}: {}", key.first.text(), key.second,
-               fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), ", "));
-    if (shown < names.size()) fmt::print(" and {} more", names.size() - shown);
-    fmt::print("\n");
-  }
-}
-
 int PrintReport(const AddReport& report, bool plan_only) {
   PrintSubmaps(report);
-  PrintLeftOut(report);
+  PrintLeftOut(report.left_out);
   for (const ExperienceId& id : report.already_in_map) {
     fmt::print("{}: is in the map already, with the same content\n", id.text());
   }

@@ -29,6 +29,7 @@ int ExitCodeOf(const Error& error);
 void RegisterAdd(CLI::App& app, int& exit_code);
 void RegisterBuildSubmap(CLI::App& app, int& exit_code);
 void RegisterInfo(CLI::App& app, int& exit_code);
+void RegisterReport(CLI::App& app, int& exit_code);
 void RegisterRemove(CLI::App& app, int& exit_code);
 void RegisterPrune(CLI::App& app, int& exit_code);
 void RegisterReleases(CLI::App& app, int& exit_code);  ///< releases, deploy, rollback
