@@ -28,6 +28,7 @@ struct AddArguments {
   std::uint64_t seed = 1;
   bool plan_only = false;
   bool quiet = false;
+  ProgressStyle progress = ProgressStyle::kAuto;
 };
 
 AddRequest MakeRequest(const AddArguments& arguments) {
@@ -95,11 +96,10 @@ int Add(const AddArguments& arguments) {
   CatchInterruption();
   Result<AddReport> report;
   {
-    ProgressDisplay display;
-    PipelineObserver observer{.should_stop = WasInterrupted};
-    if (!arguments.quiet) {
-      observer.on_progress = [&](const PipelineProgress& progress) { display.Show(progress); };
-    }
+    ProgressDisplay display(arguments.quiet ? ProgressStyle::kNone : arguments.progress);
+    const PipelineObserver observer{
+        .on_progress = [&](const PipelineProgress& progress) { display.Show(progress); },
+        .should_stop = WasInterrupted};
     report = AddExperiences(MakeRequest(arguments), observer);
   }
   if (!report) return Finish(report.error());
@@ -141,7 +141,8 @@ void RegisterAdd(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024));
   add->add_option("--seed", arguments->seed, "of everything random")->capture_default_str();
   add->add_flag("--plan-only", arguments->plan_only, "end after planning; prints the submaps' ids");
-  add->add_flag("--quiet", arguments->quiet, "no progress");
+  AddProgressOption(*add, arguments->progress);
+  add->add_flag("--quiet", arguments->quiet, "the same as --progress none");
   add->callback([arguments, &exit_code] { exit_code = Add(*arguments); });
 }
 

@@ -17,11 +17,12 @@ struct BuildArguments {
   std::string map;
   std::string task;
   int threads = 0;
+  ProgressStyle progress = ProgressStyle::kAuto;
 };
 
 Result<void> Build(const BuildArguments& arguments) {
   CatchInterruption();
-  ProgressDisplay display;
+  ProgressDisplay display(arguments.progress);
   const PipelineObserver observer{
       .on_progress = [&](const PipelineProgress& progress) { display.Show(progress); },
       .should_stop = WasInterrupted};
@@ -47,6 +48,7 @@ void RegisterBuildSubmap(CLI::App& app, int& exit_code) {
   build->add_option("--threads", arguments->threads, "0: all cores")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
+  AddProgressOption(*build, arguments->progress);
   build->callback([arguments, &exit_code] { exit_code = Finish(Build(*arguments)); });
 }
 
