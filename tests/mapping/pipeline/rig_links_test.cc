@@ -9,6 +9,22 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
+TaskInput EmptyInput() {
+  return {.task = {.experience = ExperienceId("drive"),
+                   .origin = {},
+                   .options = {},
+                   .contents = {},
+                   .images = {}},
+          .images = {},
+          .chains = {},
+          .features = {},
+          .sequences = {},
+          .cameras = {},
+          .camera_of_image = {},
+          .group_of_image = {},
+          .mounts = {}};
+}
+
 /// Adds an image of a camera that sits `aside_m` to the right of the rig.
 void AddImage(TaskInput& input, const std::string& camera, int milliseconds, double aside_m) {
   IndexedImage image;
@@ -20,7 +36,7 @@ void AddImage(TaskInput& input, const std::string& camera, int milliseconds, dou
 }
 
 TEST(RigLinks, JoinAnImageWithTheOtherCameraAroundIt) {
-  TaskInput input;
+  TaskInput input = EmptyInput();
   AddImage(input, "left", 0, -0.5);
   AddImage(input, "left", 200, -0.5);
   AddImage(input, "right", 50, 0.5);
@@ -35,7 +51,7 @@ TEST(RigLinks, JoinAnImageWithTheOtherCameraAroundIt) {
 }
 
 TEST(RigLinks, BridgeNoLongPause) {
-  TaskInput input;
+  TaskInput input = EmptyInput();
   AddImage(input, "left", 0, -0.5);
   AddImage(input, "left", 1500, -0.5);
   AddImage(input, "right", 50, 0.5);
@@ -43,7 +59,7 @@ TEST(RigLinks, BridgeNoLongPause) {
 }
 
 TEST(RigLinks, AreLessCertainInTheMiddleOfALongerGap) {
-  TaskInput input;
+  TaskInput input = EmptyInput();
   AddImage(input, "left", 0, -0.5);
   AddImage(input, "left", 400, -0.5);
   AddImage(input, "right", 10, 0.5);
@@ -54,7 +70,7 @@ TEST(RigLinks, AreLessCertainInTheMiddleOfALongerGap) {
 }
 
 TEST(RigLinks, AreNoneWithoutARigOrBetweenRigs) {
-  TaskInput input;
+  TaskInput input = EmptyInput();
   AddImage(input, "left", 0, -0.5);
   AddImage(input, "left", 200, -0.5);
   AddImage(input, "right", 50, 0.5);
