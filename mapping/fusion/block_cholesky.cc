@@ -2,33 +2,14 @@
 #include "mapping/fusion/internal/block_cholesky.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace waymark::mapping {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-
-/// Unknowns in the order of their elimination: minimum degree, so that little fills in.
-std::vector<std::uint32_t> ChooseOrder(std::size_t size, std::span<const BlockEdge> edges) {
-  const int n = static_cast<int>(size);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  entries.reserve(2 * edges.size() + size);
-  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
-  for (const BlockEdge& edge : edges) {
-    const int a = static_cast<int>(edge.first), b = static_cast<int>(edge.second);
-    entries.emplace_back(a, b, 1);
-    entries.emplace_back(b, a, 1);
-  }
-  Eigen::SparseMatrix<double, Eigen::ColMajor, int> pattern(n, n);
-  pattern.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
-  Eigen::AMDOrdering<int>()(pattern, order);
-  return {order.indices().begin(), order.indices().end()};
-}
 
 /// target -= a * b^T.
 template <typename Padded>
@@ -42,12 +23,12 @@ void SubtractProduct(const Padded& a, const Padded& b, Padded& target) {
 
 }  // namespace
 
-BlockCholesky::BlockCholesky(std::size_t size, std::span<const BlockEdge> edges)
-    : unknown_at_(ChooseOrder(size, edges)),
-      position_of_(size),
-      diagonal_(size),
-      inverse_diagonal_(size) {
-  for (std::uint32_t i = 0; i < size; ++i) position_of_[unknown_at_[i]] = i;
+BlockCholesky::BlockCholesky(std::vector<std::uint32_t> order, std::span<const BlockEdge> edges)
+    : unknown_at_(std::move(order)),
+      position_of_(unknown_at_.size()),
+      diagonal_(unknown_at_.size()),
+      inverse_diagonal_(unknown_at_.size()) {
+  for (std::uint32_t i = 0; i < unknown_at_.size(); ++i) position_of_[unknown_at_[i]] = i;
   FindStructure(edges);
 }
 

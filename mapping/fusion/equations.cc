@@ -10,12 +10,15 @@ namespace {
 // Holds directions that no term speaks of; 1e-9 of what one shared image says.
 constexpr double kLeastStiffness = 1e-6;
 constexpr std::uint32_t kHeld = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kOverlapsAtOnce = 64;
+// Overlaps are linearised in batches whose equations stay in the cache until they are added up; a
+// thread takes a group of them at a time.
+constexpr std::size_t kBatch = 512;
+constexpr std::size_t kGroup = 64;
 
 }  // namespace
 
 Equations::Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
-                     const FusionOptions& options)
+                     const std::vector<Place>& places, const FusionOptions& options)
     : terms_(terms), options_(options), unknown_of_(is_free.size(), kHeld) {
   for (std::uint32_t i = 0; i < is_free.size(); ++i) {
     if (!is_free[i]) continue;
@@ -29,23 +32,15 @@ Equations::Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
     overlaps_.push_back(&term);
     if (edge.first != kHeld && edge.second != kHeld) edges.push_back(edge);
   }
-  of_overlap_.resize(overlaps_.size());
   matrix_.diagonal.resize(free_.size());
   matrix_.off_diagonal.resize(edges.size());
   gradient_.resize(free_.size());
-  if (!free_.empty()) cholesky_.emplace(free_.size(), edges);
+  std::vector<Eigen::Vector2d> positions;
+  for (const std::uint32_t i : free_) positions.push_back(places[i].centroid_in_map.head<2>());
+  cholesky_.emplace(ChooseEliminationOrder(positions, edges), edges);
 }
 
 double Equations::Linearise(const std::vector<Place>& places, OverlapLoss loss) {
-  const std::size_t groups = (overlaps_.size() + kOverlapsAtOnce - 1) / kOverlapsAtOnce;
-  ParallelFor(groups, options_.parallelism, [&](std::size_t group) {
-    const std::size_t end = std::min(overlaps_.size(), (group + 1) * kOverlapsAtOnce);
-    for (std::size_t k = group * kOverlapsAtOnce; k < end; ++k) {
-      const OverlapTerm& term = *overlaps_[k];
-      mapping::Linearise(term, places[term.first], places[term.second], loss, options_,
-                         of_overlap_[k]);
-    }
-  });
   double cost = 0;
   for (std::size_t u = 0; u < free_.size(); ++u) {
     matrix_.diagonal[u].setZero();
@@ -53,32 +48,43 @@ double Equations::Linearise(const std::vector<Place>& places, OverlapLoss loss) 
     cost += AddSubmapTerm(terms_.submaps[free_[u]], places[free_[u]], options_, matrix_.diagonal[u],
                           gradient_[u]);
   }
-  return cost + AddOverlaps();
-}
-
-double Equations::AddOverlaps() {
-  double cost = 0;
   std::size_t edge = 0;
-  for (std::size_t k = 0; k < overlaps_.size(); ++k) {
-    const std::uint32_t first = unknown_of_[overlaps_[k]->first];
-    const std::uint32_t second = unknown_of_[overlaps_[k]->second];
-    const OverlapEquations& equations = of_overlap_[k];
-    cost += equations.cost;
-    if (first != kHeld) {
-      matrix_.diagonal[first] += equations.first;
-      gradient_[first] += equations.gradient_first;
+  for (std::size_t begin = 0; begin < overlaps_.size(); begin += kBatch) {
+    const std::size_t size = std::min(kBatch, overlaps_.size() - begin);
+    of_overlap_.resize(size);
+    ParallelFor((size + kGroup - 1) / kGroup, options_.parallelism, [&](std::size_t group) {
+      for (std::size_t k = group * kGroup; k < std::min(size, (group + 1) * kGroup); ++k) {
+        const OverlapTerm& term = *overlaps_[begin + k];
+        mapping::Linearise(term, places[term.first], places[term.second], loss, options_,
+                           of_overlap_[k]);
+      }
+    });
+    for (std::size_t k = 0; k < size; ++k) {
+      cost += of_overlap_[k].cost;
+      edge += AddOverlap(*overlaps_[begin + k], of_overlap_[k], edge);
     }
-    if (second != kHeld) {
-      matrix_.diagonal[second] += equations.second;
-      gradient_[second] += equations.gradient_second;
-    }
-    if (first != kHeld && second != kHeld) matrix_.off_diagonal[edge++] = equations.cross;
   }
   return cost;
 }
 
+std::size_t Equations::AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
+                                  std::size_t edge) {
+  const std::uint32_t first = unknown_of_[term.first];
+  const std::uint32_t second = unknown_of_[term.second];
+  if (first != kHeld) {
+    matrix_.diagonal[first] += equations.first;
+    gradient_[first] += equations.gradient_first;
+  }
+  if (second != kHeld) {
+    matrix_.diagonal[second] += equations.second;
+    gradient_[second] += equations.gradient_second;
+  }
+  if (first == kHeld || second == kHeld) return 0;
+  matrix_.off_diagonal[edge] = equations.cross;
+  return 1;
+}
+
 std::optional<std::vector<BlockVector>> Equations::FindStep(double damping) {
-  if (free_.empty()) return std::vector<BlockVector>();
   if (!cholesky_->Factor(matrix_, damping, kLeastStiffness)) return std::nullopt;
   std::vector<BlockVector> step = cholesky_->Solve(gradient_);
   for (BlockVector& of_submap : step) of_submap = -of_submap;

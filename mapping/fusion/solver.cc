@@ -26,7 +26,7 @@ class Descent {
  public:
   Descent(const FusionTerms& terms, OverlapLoss loss, const std::vector<bool>& is_free,
           const FusionOptions& options, std::vector<Place>& places)
-      : terms_(terms), loss_(loss), equations_(terms, is_free, options), places_(places) {
+      : terms_(terms), loss_(loss), equations_(terms, is_free, places, options), places_(places) {
     cost_ = equations_.Linearise(places_, loss_);
   }
 
@@ -143,7 +143,7 @@ Result<std::vector<double>> PredictMotions(const FusionTerms& terms,
                                            const std::vector<bool>& is_free,
                                            const FusionOptions& options,
                                            const std::vector<Place>& places) {
-  Equations equations(terms, is_free, options);
+  Equations equations(terms, is_free, places, options);
   equations.Linearise(places, OverlapLoss::kCauchy);
   const auto step = equations.FindStep(0);
   if (!step) {

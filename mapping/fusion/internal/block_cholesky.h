@@ -7,17 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/fusion/internal/elimination_order.h"
+
 namespace waymark::mapping {
 
 /// Seven numbers move a submap: translation, rotation, logarithm of the scale.
 using Block = Eigen::Matrix<double, 7, 7>;
 using BlockVector = Eigen::Matrix<double, 7, 1>;
-
-/// A pair of unknowns with a block of the matrix in common.
-struct BlockEdge {
-  std::uint32_t first;
-  std::uint32_t second;
-};
 
 /// A symmetric matrix of 7x7 blocks. `off_diagonal[k]` has the rows of edge k's first unknown and
 /// the columns of its second.
@@ -26,14 +22,14 @@ struct BlockMatrix {
   std::vector<Block> off_diagonal;
 };
 
-/// Factorises symmetric positive definite matrices of one sparsity pattern: L L^T, left-looking,
-/// after a minimum-degree ordering of the blocks. Thread-compatible; the order of all operations
+/// Factorises symmetric positive definite matrices of one sparsity pattern: L L^T, left-looking.
+/// Thread-compatible; the order of all operations
 /// is fixed by the pattern.
 /// Source: Davis, "Direct Methods for Sparse Linear Systems", SIAM 2006, chapters 4 and 7.
 class BlockCholesky {
  public:
-  /// Shapes: edges are distinct pairs of distinct unknowns below `size`.
-  BlockCholesky(std::size_t size, std::span<const BlockEdge> edges);
+  /// Shapes: `order` holds each unknown once; edges are distinct pairs of distinct unknowns.
+  BlockCholesky(std::vector<std::uint32_t> order, std::span<const BlockEdge> edges);
 
   /// Factorises the matrix with `(1 + relative) * d + absolute` for every element d of its
   /// diagonal. False when the outcome is not positive definite.

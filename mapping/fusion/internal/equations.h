@@ -8,12 +8,13 @@
 
 namespace waymark::mapping {
 
-/// The equations of the free submaps while the others are held. Borrows its arguments.
+/// The equations of the free submaps while the others are held. Borrows terms and options.
 /// Thread-compatible; its numbers do not depend on how many threads it uses inside.
 class Equations {
  public:
+  /// The places only serve to choose in which order to eliminate.
   Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
-            const FusionOptions& options);
+            const std::vector<Place>& places, const FusionOptions& options);
 
   /// The free submaps, by unknown.
   const std::vector<std::uint32_t>& free() const { return free_; }
@@ -26,14 +27,16 @@ class Equations {
   std::optional<std::vector<BlockVector>> FindStep(double damping);
 
  private:
-  double AddOverlaps();
+  /// Returns how many off-diagonal blocks the overlap has filled, 0 or 1.
+  std::size_t AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
+                         std::size_t edge);
 
   const FusionTerms& terms_;
   const FusionOptions& options_;
   std::vector<std::uint32_t> unknown_of_;  // by submap
   std::vector<std::uint32_t> free_;
   std::vector<const OverlapTerm*> overlaps_;  // with a free submap
-  std::vector<OverlapEquations> of_overlap_;
+  std::vector<OverlapEquations> of_overlap_;  // of a batch
   BlockMatrix matrix_;
   std::vector<BlockVector> gradient_;
   std::optional<BlockCholesky> cholesky_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -48,11 +49,33 @@ RandomSystem MakeSystem(int size, int edge_count, std::uint64_t seed) {
   return system;
 }
 
+/// As if the unknowns lay anywhere.
+std::vector<std::uint32_t> RandomOrder(int size, const std::vector<BlockEdge>& edges) {
+  std::vector<Eigen::Vector2d> positions(static_cast<std::size_t>(size));
+  for (Eigen::Vector2d& position : positions) position.setRandom();
+  return ChooseEliminationOrder(positions, edges);
+}
+
+TEST(EliminationOrder, HoldsEachUnknownOnceAndTheMiddleOfAChainLast) {
+  std::vector<BlockEdge> edges;
+  std::vector<Eigen::Vector2d> positions;
+  for (std::uint32_t i = 0; i < 101; ++i) {
+    positions.emplace_back(i, 0);
+    if (i > 0) edges.push_back({i - 1, i});
+  }
+  std::vector<std::uint32_t> order = ChooseEliminationOrder(positions, edges);
+  EXPECT_GE(order.back(), 29u);
+  EXPECT_LE(order.back(), 71u);
+  std::sort(order.begin(), order.end());
+  for (std::uint32_t i = 0; i < 101; ++i) EXPECT_EQ(order[i], i);
+  EXPECT_TRUE(ChooseEliminationOrder({}, {}).empty());
+}
+
 TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
   for (const auto& [size, edges] : {std::pair(1, 0), std::pair(2, 1), std::pair(12, 0),
                                     std::pair(30, 40), std::pair(40, 300)}) {
     const RandomSystem system = MakeSystem(size, edges, 7);
-    BlockCholesky cholesky(static_cast<std::size_t>(size), system.edges);
+    BlockCholesky cholesky(RandomOrder(size, system.edges), system.edges);
     ASSERT_TRUE(cholesky.Factor(system.matrix, 0.5, 0.25));
     Eigen::MatrixXd damped = system.dense;
     damped.diagonal() = 1.5 * damped.diagonal().array() + 0.25;
@@ -71,7 +94,7 @@ TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
 
 TEST(BlockCholesky, FactorsAgainWithOtherNumbers) {
   RandomSystem system = MakeSystem(20, 40, 8);
-  BlockCholesky cholesky(20, system.edges);
+  BlockCholesky cholesky(RandomOrder(20, system.edges), system.edges);
   const std::vector<BlockVector> right(20, BlockVector::Ones());
   ASSERT_TRUE(cholesky.Factor(system.matrix, 0, 0));
   const auto before = cholesky.Solve(right);
@@ -85,7 +108,7 @@ TEST(BlockCholesky, FactorsAgainWithOtherNumbers) {
 TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
   RandomSystem system = MakeSystem(10, 20, 9);
   system.matrix.diagonal[4](2, 2) = -1;
-  BlockCholesky cholesky(10, system.edges);
+  BlockCholesky cholesky(RandomOrder(10, system.edges), system.edges);
   EXPECT_FALSE(cholesky.Factor(system.matrix, 0, 0));
 }
 
