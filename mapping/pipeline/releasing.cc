@@ -40,6 +40,7 @@ FusionSubmap ToFusion(const SubmapView& view, const TangentPlane& plane, bool is
     submap.gravity_sigma_rad = view.evidence().max_gravity_error_rad > 0 ? kMeasuredGravitySigmaRad
                                                                          : kAssumedGravitySigmaRad;
   }
+  submap.scale_sigma = view.scale_sigma();
   for (const SubmapImage& image : view.images()) {
     FusionImage fused{.image = numbers.NumberOf(image),
                       .submap_from_camera = image.submap_from_camera,
@@ -198,6 +199,20 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
   result.gnss_rms_m =
       CombineRms(fusion.submaps, &FusedSubmap::gnss_rms_m, &FusedSubmap::gnss_images);
   return result;
+}
+
+Result<std::uint64_t> ReleaseInPlace(const MapDirectory& map, const std::set<SubmapId>& submaps,
+                                     std::string_view created_utc, ReleaseUntil until) {
+  WAYMARK_TRY_ASSIGN(Release release, map.LoadCurrentRelease());
+  release.parent_epoch = std::exchange(release.epoch, 1);
+  release.created_utc = std::string(created_utc);
+  release.fusion_s = std::nullopt;
+  std::erase_if(release.submaps,
+                [&](const ReleasedSubmap& submap) { return !submaps.contains(submap.id); });
+  for (ReleasedSubmap& submap : release.submaps) submap.displacement = Displacement{};
+  WAYMARK_TRY_ASSIGN(const std::uint64_t epoch, StoreAsNext(map, std::move(release)));
+  if (until == ReleaseUntil::kLive) WAYMARK_TRY(map.Deploy(epoch));
+  return epoch;
 }
 
 }  // namespace waymark::mapping

@@ -80,6 +80,23 @@ Result<void> FindSubmapsInAreas(const MapDirectory& map, const RemoveRequest& re
   return {};
 }
 
+/// Makes the release of what stays.
+Result<void> MakeRelease(const MapDirectory& map, const std::set<SubmapId>& staying,
+                         const RemoveRequest& request, const PipelineObserver& observer,
+                         RemoveReport& report) {
+  const auto until = request.is_candidate ? ReleaseUntil::kCandidate : ReleaseUntil::kLive;
+  if (!request.places_anew) {
+    WAYMARK_TRY_ASSIGN(report.epoch, ReleaseInPlace(map, staying, request.created_utc, until));
+    return {};
+  }
+  Run run(observer);
+  WAYMARK_TRY_ASSIGN(NewRelease release,
+                     ReleaseSubmaps(map, staying, request.fusion, request.created_utc, until, run));
+  report.epoch = release.epoch;
+  report.unplaced = std::move(release.unplaced);
+  return {};
+}
+
 /// Deletes the experiences that no stored release needs, with submaps that were never released.
 Result<void> DeleteUnneeded(const MapDirectory& map, const RemoveRequest& request,
                             const std::set<SubmapId>& released, RemoveReport& report) {
@@ -131,14 +148,7 @@ Result<RemoveReport> RemoveFromMap(const RemoveRequest& request, const PipelineO
                      map.folder().string(), live.submaps.size(), live.epoch);
   }
   if (!report.removed.empty()) {
-    Run run(observer);
-    const auto until = request.is_candidate ? ReleaseUntil::kCandidate : ReleaseUntil::kLive;
-    WAYMARK_TRY_ASSIGN(NewRelease release, ReleaseSubmaps(map, staying, request.fusion,
-                                                          request.created_utc, until, run));
-    report.epoch = release.epoch;
-    report.unplaced = std::move(release.unplaced);
-    report.overlap_rms_m = release.overlap_rms_m;
-    report.gnss_rms_m = release.gnss_rms_m;
+    WAYMARK_TRY(MakeRelease(map, staying, request, observer, report));
   }
   WAYMARK_TRY(DeleteUnneeded(map, request, released, report));
   return report;

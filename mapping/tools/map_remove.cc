@@ -20,6 +20,7 @@ struct RemoveArguments {
   std::vector<std::string> submaps;
   std::vector<std::string> experiences;
   std::string area;
+  bool places_anew = false;
   bool is_candidate = false;
 };
 
@@ -101,8 +102,10 @@ void RegisterRemove(CLI::App& app, int& exit_code) {
       "  waymark-map remove MAP --submap 0b1c…            (repeat for more; ids as `info` prints)\n"
       "  waymark-map remove MAP --experience drive1       all that was built from it\n"
       "  waymark-map remove MAP --area 37.77,-122.42,37.78,-122.42,37.78,-122.41 --candidate\n"
-      "What stays is placed anew by fusion; nothing is built again, and images that other submaps\n"
-      "borrowed stay with them. Submap files stay for `rollback` until `waymark-map prune`. To "
+      "What stays is exactly where it was until the next `add` fuses the map; with --fuse it is\n"
+      "placed anew at once, as if what goes had never been there: for when that bent the map.\n"
+      "Nothing is built again; images that other submaps borrowed stay with them. Submap files "
+      "stay for `rollback` until `waymark-map prune`. To "
       "undo\n"
       "it for good, add the experience again: what was built before is taken as it is, what was\n"
       "pruned is built again. A map is never emptied. Killed or run twice, it does no harm.");
@@ -112,6 +115,7 @@ void RegisterRemove(CLI::App& app, int& exit_code) {
   remove->add_option("--area", arguments->area,
                      "corners of a polygon, LAT,LON,LAT,LON,… in degrees; submaps whose centre is "
                      "inside go");
+  remove->add_flag("--fuse", arguments->places_anew, "place what stays anew");
   remove->add_flag("--candidate", arguments->is_candidate,
                    "store the release without making it live");
   remove->callback([arguments, &exit_code] { exit_code = Finish(Remove(*arguments)); });

@@ -31,6 +31,11 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
                                   const FusionOptions& options, std::string_view created_utc,
                                   ReleaseUntil until, Run& run);
 
+/// Makes the next release of some of the live one's submaps, each exactly where it is, with the
+/// residuals that are known of it; otherwise as ReleaseSubmaps. `submaps` is not empty.
+Result<std::uint64_t> ReleaseInPlace(const MapDirectory& map, const std::set<SubmapId>& submaps,
+                                     std::string_view created_utc, ReleaseUntil until);
+
 /// The east-north-up frame at a place, in the map frame.
 Sim3 MapFromEnu(const TangentPlane& map, const GeoPoint& origin);
 

@@ -84,13 +84,16 @@ TEST(Updates, DrivesThatMeetGiveTheSameOwnImagesInTheSamePlacesInEitherOrder) {
   RecordProperty("worst_difference_mm", static_cast<int>(1000 * worst_m));
 }
 
-TEST(Updates, ARemovedDriveLeavesNoTraceInThePlacesOfOthers) {
+TEST(Updates, AMapThatIsFusedAnewDoesNotRememberWhatItHeld) {
   const StreetMap street("no_trace");
   street.Drive("stays", {.images = 10});
   street.Drive("goes", {.images = 10, .first_m = 0.3, .aside_m = 0.5, .seed = 2});
   ASSERT_TRUE(street.Add({"stays"}).ok());
   ASSERT_TRUE(street.Add({"goes"}).ok());
-  ASSERT_TRUE(street.Remove("goes").ok());
+  RemoveRequest request = street.MakeRemove();
+  request.experiences.emplace_back("goes");
+  request.places_anew = true;
+  ASSERT_TRUE(RemoveFromMap(request).ok());
   const ReleaseDiff diff =
       CompareReleases(*street.Open().LoadRelease(1), *street.Open().LoadRelease(3));
   EXPECT_THAT(diff.added, IsEmpty());
@@ -122,7 +125,10 @@ TEST(Updates, AHundredLeaveNoFilesMoveNothingAndDoNotGrowTheMap) {
     const std::string drive = update % 4 < 2 ? "near" : "far";
     const bool removes = update % 2 == 0;
     if (removes) {
+      const Release before = *street.Open().LoadCurrentRelease();
       ASSERT_TRUE(street.Remove(drive).ok()) << update;
+      const ReleaseDiff diff = CompareReleases(before, *street.Open().LoadCurrentRelease());
+      ASSERT_LT(diff.worst.translation_m, 1e-9) << update;
       EXPECT_THAT(street.Live(), SizeIs(live.size() - 1));
     } else {
       ASSERT_TRUE(street.Add({drive}).ok()) << update;
