@@ -55,6 +55,13 @@ Result<void> Rollback(const std::string& folder) {
     return MakeError(ErrorCode::kNotFound, "{}: epoch {} is the first; there is none to go back to",
                      folder, live.epoch);
   }
+  WAYMARK_TRY_ASSIGN(const auto epochs, map.ListReleaseEpochs());
+  if (std::ranges::find(epochs, *live.parent_epoch) == epochs.end()) {
+    return MakeError(ErrorCode::kNotFound,
+                     "{}: epoch {}, which the live epoch {} was made from, has been pruned; "
+                     "`waymark-map releases` lists those that are there",
+                     folder, *live.parent_epoch, live.epoch);
+  }
   return Deploy(folder, *live.parent_epoch);
 }
 
