@@ -82,8 +82,9 @@ void JudgeShapes(const Reconstruction& reconstruction, std::span<const Verificat
               options.max_shape_error_m + options.max_shape_sigmas * bending.sigma_m);
   };
   for (const GnssShape& pass : MeasureGnssShape(reconstruction, images)) {
-    // Either GNSS or the images left the path at once; a tear would be the images'.
-    findings.gnss_lie.Add(pass.largest_jump_m, pass.jump_bound_m);
+    // Either GNSS or the images left the path at once; the images' motion tells which.
+    const bool is_smooth = findings.acceleration.broken == 0;
+    (is_smooth ? findings.gnss_lie : findings.bend).Add(pass.largest_jump_m, pass.jump_bound_m);
     add(pass.scale, findings.scale_drift);
     const auto excess = FindExcessTurn(reconstruction, drifts, pass);
     if (!excess) {

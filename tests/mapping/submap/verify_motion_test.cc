@@ -193,6 +193,16 @@ TEST(VerifyShape, GnssThatJumpsIsNotFollowed) {
   EXPECT_THAT(evidence.verdict, HasSubstr("GNSS is wrong by 25.0 m and not followed"));
 }
 
+TEST(VerifyShape, AJumpBesideAnImpossibleMotionIsNotBlamedOnGnss) {
+  Drive drive;  // ten metres a second, and at the very end it stands
+  for (std::size_t i = 50; i < 60; ++i) {
+    drive.Pose(i, drive.Pose(49).rotation(), drive.Pose(49).translation());
+  }
+  drive.rotations.clear();
+  EXPECT_FALSE(drive.Verify().accepted);
+  EXPECT_TRUE(drive.Verify().gnss_is_trusted);
+}
+
 TEST(VerifyShape, ABendAgainstGnssIsJudgedByTheGyroscope) {
   Drive drive;  // GNSS says that it turned less than the images do
   const double cut = 0.3;
