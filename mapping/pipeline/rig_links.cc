@@ -12,7 +12,9 @@ namespace waymark::mapping {
 namespace {
 
 constexpr std::chrono::seconds kMaxGap{1};
-constexpr double kMountSigmaM = 0.005;
+// The mounting, and what an error of focal length shifts one camera of a reconstruction against
+// another: on a simulated drive with exact mountings 0.4 to 1.9 % of 0.6 to 1 m.
+constexpr double kMountSigmaM = 0.01;
 constexpr double kAccelerationMps2 = 3;  // braking, or a bend
 constexpr double kMaxSigmaShare = 0.3;   // of the distance between the cameras
 
