@@ -124,8 +124,11 @@ Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off) {
     const Eigen::VectorXd rest = off - rows * fit.values;
     std::vector<double> sizes;
     for (Eigen::Index k = 0; k < places; ++k) sizes.push_back(rest.segment<2>(2 * k).norm());
-    // The median length of a two-dimensional normal is 1.18 standard deviations.
-    fit.noise_m = std::max(kLeastNoiseM, Median(sizes) / 1.18);
+    // The median length of a two-dimensional normal is 1.18 standard deviations. A fit to few
+    // places follows their noise.
+    const auto count = static_cast<double>(places);
+    const double followed = std::sqrt(count / std::max(1.0, count - 0.5 * kColumns));
+    fit.noise_m = std::max(kLeastNoiseM, followed * Median(sizes) / 1.18);
     for (Eigen::Index k = 0; k < places; ++k) {
       const double sigmas = sizes[static_cast<std::size_t>(k)] / fit.noise_m;
       weights.segment<2>(2 * k).setConstant(1 / std::max(1.0, sigmas / 2));
