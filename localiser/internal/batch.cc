@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "mapping/base/file.h"
+#include "mapping/base/median.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -45,11 +46,8 @@ std::string CsvField(const std::string& text) {
   return quoted + '"';
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+double MedianOrZero(std::vector<double> values) {
+  return values.empty() ? 0 : Median(std::move(values));
 }
 
 }  // namespace
@@ -107,8 +105,8 @@ std::string Summarise(std::span<const LocalisedImage> images) {
   std::string summary = fmt::format(
       "localised {} of {} images ({:.0f} %); median {:.0f} inliers, {:.0f} ms "
       "(features {:.0f}, search {:.0f}, pose {:.0f})",
-      inliers.size(), images.size(), share, Median(inliers), Median(total_ms), Median(features_ms),
-      Median(search_ms), Median(pose_ms));
+      inliers.size(), images.size(), share, MedianOrZero(inliers), MedianOrZero(total_ms),
+      MedianOrZero(features_ms), MedianOrZero(search_ms), MedianOrZero(pose_ms));
   for (const auto& [status, count] : refusals) summary += fmt::format("; {}: {}", status, count);
   return summary;
 }

@@ -10,6 +10,7 @@
 
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/stopwatch.h"
+#include "mapping/base/median.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -29,12 +30,6 @@ std::vector<LandmarkMatch> KeepOnePerLandmarkAndPlace(const mapping::ImageFeatur
            !places.insert({keypoint.x_px, keypoint.y_px}).second;
   });
   return matches;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace
@@ -80,12 +75,11 @@ SubmapAnswer SubmapLocaliser::EstimatePose(const mapping::ImageFeatures& feature
     points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
     quality.push_back(1 - match.ratio);
   }
-  auto estimated = mapping::EstimateAbsolutePose(
-      camera, pixels_px, points_in_submap, quality,
-      {.max_error_px = options_.max_error_px,
-       .min_inliers = options_.min_inliers,
-       .focal_sigma_share = options_.focal_sigma_share,
-       .seed = options_.seed});
+  auto estimated = mapping::EstimateAbsolutePose(camera, pixels_px, points_in_submap, quality,
+                                                 {.max_error_px = options_.max_error_px,
+                                                  .min_inliers = options_.min_inliers,
+                                                  .focal_sigma_share = options_.focal_sigma_share,
+                                                  .seed = options_.seed});
   if (!estimated) {
     answer.refusal = ToString(estimated.error());
     return answer;

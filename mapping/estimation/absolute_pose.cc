@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opengv/absolute_pose/modules/main.hpp>
+#include <utility>
 
+#include "mapping/base/median.h"
 #include "mapping/estimation/pose_refinement.h"
 #include "mapping/estimation/projection_derivatives.h"
 #include "mapping/estimation/reprojection_table.h"
@@ -130,9 +132,7 @@ double MedianError(const CameraModel& camera, std::span<const Eigen::Vector2d> p
     const auto pixel_px = camera.Project(camera_from_world * points_in_world[i]);
     errors.push_back(pixel_px ? (*pixel_px - pixels_px[i]).norm() : 1e9);
   }
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return *middle;
+  return Median(std::move(errors));
 }
 
 // Below this no feature detector localises; it keeps a lucky handful of matches from claiming

@@ -10,6 +10,7 @@
 #include <limits>
 #include <random>
 
+#include "mapping/base/median.h"
 #include "mapping/estimation/projection_derivatives.h"
 
 namespace waymark::mapping {
@@ -198,9 +199,7 @@ double EstimateGravitySigma(std::span<const GeoSample> samples, const Eigen::Vec
     angles.push_back(std::atan2(up_in_model.cross(one).norm(), up_in_model.dot(one)));
   }
   if (angles.empty()) return stated_sigma_rad;
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  const double sigma = *middle / 1.177;  // the median length of two normal components
+  const double sigma = Median(angles) / 1.177;  // the median length of two normal components
   if (sigma <= 2 * stated_sigma_rad) return stated_sigma_rad;
   return kDoubt * sigma * std::sqrt(static_cast<double>(angles.size()));
 }

@@ -7,7 +7,9 @@
 #include <array>
 #include <cmath>
 #include <opengv/relative_pose/modules/main.hpp>
+#include <utility>
 
+#include "mapping/base/median.h"
 #include "mapping/estimation/epipolar_table.h"
 #include "mapping/estimation/essential.h"
 #include "mapping/estimation/homography.h"
@@ -92,9 +94,7 @@ double MedianRayAngle(const Rigid3& first_from_second, std::span<const Normalize
   std::vector<double> angles;
   angles.reserve(chosen.size());
   for (std::uint32_t i : chosen) angles.push_back(RayAngle(first_from_second, matches[i]));
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return Median(std::move(angles));
 }
 
 // Points behind a camera satisfy the epipolar constraint but no scene.

@@ -8,17 +8,13 @@
 #include <queue>
 #include <utility>
 
+#include "mapping/base/median.h"
+
 namespace waymark::mapping {
 namespace {
 
 const Rigid3& PoseOf(const FusionSubmap& submap, std::uint32_t image) {
   return submap.images[image].submap_from_camera.rigid();
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// The candidate with the least sum of angles to all: half of them may be wrong.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "mapping/base/median.h"
 #include "mapping/fusion/internal/solver.h"
 
 namespace waymark::mapping {
@@ -39,9 +41,7 @@ double MeasureSpread(const OverlapTerm& term, const FusionOptions& options, cons
     squares.push_back((shift / options.overlap_sigma_m).squaredNorm() +
                       (turn / options.orientation_sigma_rad).squaredNorm());
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(*middle / 6);
+  return std::sqrt(Median(std::move(squares)) / 6);
 }
 
 /// Huber first; when that is not the end of it, Cauchy ever narrower, so that wrong images let go,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/median.h"
 #include "mapping/store/internal/json_reader.h"
 
 namespace waymark::mapping {
@@ -18,13 +19,6 @@ Displacement MeasureDisplacement(const ReleasedSubmap& from, const ReleasedSubma
   return {(after * (before.Inverse() * centre) - centre).norm(),
           AngleBetween(before.rotation(), after.rotation()).radians(),
           after.scale() / before.scale()};
-}
-
-/// The element in the middle, the upper one of two; `values` is not empty.
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 void Summarise(ReleaseDiff& diff) {

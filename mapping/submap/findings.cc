@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/median.h"
+
 namespace waymark::mapping::internal {
 namespace {
 

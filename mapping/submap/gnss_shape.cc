@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "mapping/base/median.h"
+
 namespace waymark::mapping::internal {
 namespace {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "mapping/base/median.h"
+
 namespace waymark::mapping::internal {
 namespace {
 

@@ -57,12 +57,6 @@ std::vector<PairCheck> MeasureSpeeds(const Reconstruction& reconstruction,
   return checks;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Result<void> CheckVerificationInput(const Reconstruction& reconstruction,
                                     std::span<const VerificationImage> images,
                                     std::span<const MeasuredRotation> rotations) {

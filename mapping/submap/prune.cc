@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "mapping/base/median.h"
 #include "mapping/submap/internal/measurements.h"
 
 namespace waymark::mapping {
@@ -39,7 +40,7 @@ std::vector<GnssDistance> MeasureGnss(const Reconstruction& reconstruction,
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const Eigen::Vector3d& offset : offsets) values.push_back(offset[axis]);
-    common[axis] = internal::Median(std::move(values));
+    common[axis] = Median(std::move(values));
   }
   for (std::size_t k = 0; k < offsets.size(); ++k)
     distances[k].metres = (offsets[k] - common).norm();

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "mapping/base/median.h"
+
 namespace waymark::mapping::internal {
 namespace {
 

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <vector>
 
+#include "mapping/base/median.h"
 #include "mapping/submap/internal/findings.h"
 
 namespace waymark::mapping {
 namespace {
 
 using internal::Findings;
-using internal::Median;
 using internal::Tally;
 
 // How many checks one wrong image breaks: pairs, changes between two pairs.

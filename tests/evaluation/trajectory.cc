@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mapping/base/file.h"
+#include "mapping/base/median.h"
 
 namespace waymark::evaluation {
 namespace {
@@ -24,13 +25,6 @@ std::vector<PosePair> CommonPoses(const Trajectory& estimate, const Trajectory& 
     if (found != truth.end()) pairs.emplace_back(pose, found->second);
   }
   return pairs;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
@@ -153,8 +147,8 @@ TrajectoryErrors ComputeErrors(const Trajectory& estimate, const Trajectory& tru
     if (i > 0) errors.path_m += (exact.translation() - pairs[i - 1].second.translation()).norm();
   }
   errors.rmse_m = std::sqrt(squares / static_cast<double>(pairs.size()));
-  errors.median_m = Median(distances_m);
-  errors.median_rotation_rad = Median(turns_rad);
+  errors.median_m = Median(std::move(distances_m));
+  errors.median_rotation_rad = Median(std::move(turns_rad));
   return errors;
 }
 

@@ -14,6 +14,7 @@
 
 #include "localiser/odometry_alignment.h"
 #include "mapping/base/file.h"
+#include "mapping/base/median.h"
 
 namespace waymark::localiser {
 namespace {
@@ -66,11 +67,6 @@ MapFix FixFrom(const Sighting& sighting, const Rigid3& map_from_tag) {
           .covariance = covariance,
           .submap = SubmapId("tags"),
           .submap_from_device = Transform<Submap, Device>(map_from_device)};
-}
-
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 TEST(RecordedWalks, SlidingAlignmentBeatsTheBestSingleOneDespiteGrossErrors) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "mapping/base/log.h"
+#include "mapping/base/median.h"
 #include "mapping/estimation/geo_alignment.h"
 #include "mapping/sfm/internal/rig_scale.h"
 
@@ -75,9 +77,8 @@ void NormaliseGauge(Model& model, const GaugeState& state) {
     centre += position / static_cast<double>(images.size());
     if (i > 0) baselines.push_back((position - model.pose(images[i - 1]).translation()).norm());
   }
-  const auto middle = baselines.begin() + static_cast<std::ptrdiff_t>(baselines.size() / 2);
-  std::nth_element(baselines.begin(), middle, baselines.end());
-  const double scale = *middle > 0 && !state.trusts_rig ? 1 / *middle : 1;
+  const double median = Median(std::move(baselines));
+  const double scale = median > 0 && !state.trusts_rig ? 1 / median : 1;
   // Without gravity the cameras themselves are the best guess of where up is.
   const Eigen::Quaterniond upright = UprightRotation(EstimateUp(Samples(model)));
   model.Transform(Sim3(scale, upright, -scale * (upright * centre)));

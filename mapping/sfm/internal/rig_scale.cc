@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/sfm/internal/rig_scale.h"
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
+
+#include "mapping/base/median.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -11,12 +13,6 @@ namespace {
 constexpr std::size_t kMinLinks = 5;
 constexpr double kMinOffsetSigmas = 5;
 constexpr double kSigmaOfMedianDeviation = 1.4826;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

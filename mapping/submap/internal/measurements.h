@@ -30,9 +30,6 @@ std::vector<PairCheck> MeasureSpeeds(const Reconstruction& reconstruction,
                                      std::span<const VerificationImage> images,
                                      const VerificationOptions& options);
 
-/// The upper median; `values` is not empty.
-double Median(std::vector<double> values);
-
 Result<void> CheckVerificationInput(const Reconstruction& reconstruction,
                                     std::span<const VerificationImage> images,
                                     std::span<const MeasuredRotation> rotations);
