@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "mapping/base/content_hash.h"
-#include "mapping/base/file.h"
+#include "mapping/base/mapped_file.h"
 
 namespace waymark::localiser::internal {
 namespace {

@@ -2,40 +2,31 @@
 #include "mapping/base/file.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <cstring>
-#include <utility>
+#include <system_error>
+
+#include "mapping/base/internal/posix.h"
 
 namespace waymark {
 namespace {
 
-Error SystemError(const std::filesystem::path& path, std::string_view action) {
-  const int reason = errno;
-  return MakeError(reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kUnavailable,
-                   "{}: cannot {}: {}", path.string(), action, std::strerror(reason));
+using internal::Descriptor;
+using internal::SystemError;
+
+Error LibraryError(const std::filesystem::path& path, std::string_view action,
+                   const std::error_code& failure) {
+  return MakeError(ErrorCode::kUnavailable, "{}: cannot {}: {}", path.string(), action,
+                   failure.message());
 }
 
-/// Owns a POSIX descriptor for the length of one function.
-class Descriptor {
- public:
-  explicit Descriptor(int value) : value_(value) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
-  }
-  int get() const { return value_; }
-  bool valid() const { return value_ >= 0; }
-
- private:
-  int value_;
-};
+std::filesystem::path FolderOf(const std::filesystem::path& path) {
+  return path.has_parent_path() ? path.parent_path() : ".";
+}
 
 Result<void> SyncFolder(const std::filesystem::path& folder) {
   const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -98,7 +89,7 @@ Result<std::string> LoadTextFile(const std::filesystem::path& path) {
 Result<void> StoreFileAtomically(const std::filesystem::path& path,
                                  std::span<const std::uint8_t> bytes) {
   static std::atomic<unsigned> counter{0};  // keeps two threads of one process apart
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const std::filesystem::path folder = FolderOf(path);
   const std::filesystem::path temporary =
       folder / fmt::format(".{}.{}.{}.tmp", path.filename().string(), ::getpid(), counter++);
   auto result = WriteDurably(temporary, bytes);
@@ -134,57 +125,39 @@ Result<void> CreateFolders(const std::filesystem::path& path) {
   return {};
 }
 
-Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
-  const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!descriptor.valid()) return SystemError(path, "open");
-  struct stat status {};
-  if (::fstat(descriptor.get(), &status) != 0) return SystemError(path, "read");
-  if (!S_ISREG(status.st_mode)) {
-    return MakeError(ErrorCode::kInvalidArgument, "{}: expected a regular file", path.string());
+Result<void> DeleteFile(const std::filesystem::path& path) {
+  if (::unlink(path.c_str()) != 0) {
+    if (errno == ENOENT) return {};
+    return SystemError(path, "delete");
   }
-  const auto size = static_cast<std::size_t>(status.st_size);
-  if (size == 0) return MappedFile(nullptr, 0);
-  void* data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
-  if (data == MAP_FAILED) return SystemError(path, "map into memory");
-  return MappedFile(static_cast<const std::uint8_t*>(data), size);
+  return SyncFolder(FolderOf(path));
 }
 
-MappedFile::MappedFile(MappedFile&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
-
-MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
-  std::swap(data_, other.data_);
-  std::swap(size_, other.size_);
-  return *this;
+Result<void> DeleteFolder(const std::filesystem::path& path) {
+  std::error_code failure;
+  const std::uintmax_t count = std::filesystem::remove_all(path, failure);
+  if (failure) return LibraryError(path, "delete", failure);
+  if (count == 0) return {};
+  return SyncFolder(FolderOf(path));
 }
 
-MappedFile::~MappedFile() {
-  if (data_ != nullptr) ::munmap(const_cast<std::uint8_t*>(data_), size_);
+Result<void> RenameFolder(const std::filesystem::path& from, const std::filesystem::path& to) {
+  if (::rename(from.c_str(), to.c_str()) != 0) return SystemError(from, "rename");
+  return SyncFolder(FolderOf(from));
 }
 
-Result<FileLock> FileLock::Acquire(const std::filesystem::path& path, std::string_view purpose) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) return SystemError(path, "create lock file");
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    const bool taken = errno == EWOULDBLOCK;
-    const Error error = taken ? MakeError(ErrorCode::kConflict, "{}: is in use by another {}",
-                                          path.parent_path().string(), purpose)
-                              : SystemError(path, "lock");
-    ::close(descriptor);
-    return error;
+Result<std::vector<std::string>> ListFolder(const std::filesystem::path& path) {
+  std::vector<std::string> names;
+  std::error_code failure;
+  for (std::filesystem::directory_iterator entry(path, failure), end; !failure && entry != end;
+       entry.increment(failure)) {
+    names.push_back(entry->path().filename().string());
   }
-  return FileLock(descriptor);
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-FileLock& FileLock::operator=(FileLock&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  return *this;
-}
-
-FileLock::~FileLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (failure && failure != std::errc::no_such_file_or_directory) {
+    return LibraryError(path, "read folder", failure);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 }  // namespace waymark

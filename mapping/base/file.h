@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -27,44 +26,17 @@ Result<void> StoreFileAtomically(const std::filesystem::path& path, std::string_
 /// Creates a folder and its parents and makes their existence durable.
 Result<void> CreateFolders(const std::filesystem::path& path);
 
-/// A whole file mapped read-only. Movable, unmapped on destruction. Immutable, thread-safe.
-class MappedFile {
- public:
-  /// Errors: NotFound, Unavailable; an empty file maps to an empty span.
-  static Result<MappedFile> Open(const std::filesystem::path& path);
+/// Deletes, durably before they return. What is not there is no error.
+/// Errors: Unavailable with the path and the system's reason.
+Result<void> DeleteFile(const std::filesystem::path& path);
+Result<void> DeleteFolder(const std::filesystem::path& path);
 
-  MappedFile(MappedFile&& other) noexcept;
-  MappedFile& operator=(MappedFile&& other) noexcept;
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-  ~MappedFile();
+/// Gives a folder another name beside its own, durably before it returns.
+/// Errors: NotFound, Unavailable.
+Result<void> RenameFolder(const std::filesystem::path& from, const std::filesystem::path& to);
 
-  std::span<const std::uint8_t> bytes() const { return {data_, size_}; }
-
- private:
-  MappedFile(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
-
-  const std::uint8_t* data_ = nullptr;
-  std::size_t size_ = 0;
-};
-
-/// An exclusive advisory lock on a file, held until destruction or the end of the process.
-class FileLock {
- public:
-  /// Errors: Conflict when another process holds it, Unavailable when the file cannot be made.
-  /// `purpose` completes "… is in use by another <purpose>".
-  static Result<FileLock> Acquire(const std::filesystem::path& path, std::string_view purpose);
-
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&& other) noexcept;
-  FileLock(const FileLock&) = delete;
-  FileLock& operator=(const FileLock&) = delete;
-  ~FileLock();
-
- private:
-  explicit FileLock(int descriptor) : descriptor_(descriptor) {}
-
-  int descriptor_ = -1;
-};
+/// Names of everything in a folder, hidden ones too, sorted; none when there is no such folder.
+/// Errors: Unavailable with the path and the system's reason.
+Result<std::vector<std::string>> ListFolder(const std::filesystem::path& path);
 
 }  // namespace waymark

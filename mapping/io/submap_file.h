@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "mapping/base/file.h"
+#include "mapping/base/mapped_file.h"
 #include "mapping/base/result.h"
 #include "mapping/submap/submap_model.h"
 

@@ -69,18 +69,13 @@ std::optional<CameraMount> FindMount(const Experience& experience, const std::st
 /// The hash of all sensor tables, as they are on disk, and all images.
 Result<std::string> CombineContent(const Experience& experience,
                                    std::span<const std::string> image_contents) {
-  std::vector<fs::path> tables;
-  std::error_code failure;
-  for (fs::directory_iterator entry(experience.folder / "sensors", failure), end;
-       !failure && entry != end; entry.increment(failure)) {
-    if (entry->path().extension() == ".txt") tables.push_back(entry->path());
-  }
-  std::sort(tables.begin(), tables.end());
+  const fs::path folder = experience.folder / "sensors";
+  WAYMARK_TRY_ASSIGN(const std::vector<std::string> names, ListFolder(folder));
   std::string text;
-  for (const fs::path& table : tables) {
-    WAYMARK_TRY_ASSIGN(const std::string content, LoadTextFile(table));
-    text +=
-        fmt::format("{} {}\n", table.filename().string(), ContentHash(std::string_view(content)));
+  for (const std::string& name : names) {
+    if (fs::path(name).extension() != ".txt") continue;
+    WAYMARK_TRY_ASSIGN(const std::string content, LoadTextFile(folder / name));
+    text += fmt::format("{} {}\n", name, ContentHash(std::string_view(content)));
   }
   for (std::size_t i = 0; i < image_contents.size(); ++i) {
     text += fmt::format("{} {}\n", experience.images[i].name, image_contents[i]);

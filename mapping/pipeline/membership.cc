@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/pipeline/internal/membership.h"
 
-#include <algorithm>
 #include <utility>
 
+#include "mapping/base/file.h"
 #include "mapping/pipeline/internal/planning.h"
 
 namespace waymark::mapping {
@@ -31,21 +31,11 @@ Result<std::set<SubmapId>> LoadReleasedSubmaps(const MapDirectory& map) {
 
 Result<std::vector<DecidedTask>> LoadDecisions(const fs::path& experience_folder) {
   constexpr std::string_view kEnding = ".decision.json";
-  const fs::path folder = experience_folder / "tasks";
-  std::vector<std::string> tasks;
-  std::error_code failure;
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
-       entry.increment(failure)) {
-    const std::string name = entry->path().filename().string();
-    if (name.starts_with('.') || !name.ends_with(kEnding)) continue;
-    tasks.push_back(name.substr(0, name.size() - kEnding.size()));
-  }
-  if (failure && failure != std::errc::no_such_file_or_directory) {
-    return MakeError(ErrorCode::kUnavailable, "{}: {}", folder.string(), failure.message());
-  }
-  std::sort(tasks.begin(), tasks.end());
+  WAYMARK_TRY_ASSIGN(const std::vector<std::string> names, ListFolder(experience_folder / "tasks"));
   std::vector<DecidedTask> decided;
-  for (std::string& task : tasks) {
+  for (const std::string& name : names) {
+    if (name.starts_with('.') || !name.ends_with(kEnding)) continue;
+    std::string task = name.substr(0, name.size() - kEnding.size());
     WAYMARK_TRY_ASSIGN(std::optional<Decision> decision, LoadDecision(experience_folder, task));
     if (decision) decided.push_back({std::move(task), *std::move(decision)});
   }

@@ -7,7 +7,6 @@
 
 #include "mapping/base/content_hash.h"
 #include "mapping/base/file.h"
-#include "mapping/experience/names.h"
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 
@@ -162,18 +161,11 @@ Result<std::optional<Decision>> LoadDecision(const fs::path& experience_folder,
 }
 
 Result<std::vector<ExperienceId>> ListPlannedExperiences(const MapDirectory& map) {
-  std::vector<ExperienceId> ids;
-  std::error_code failure;
-  const fs::path folder = map.folder() / "experiences";
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
-       entry.increment(failure)) {
-    const std::string name = entry->path().filename().string();
-    if (IsExperienceIdText(name) && fs::exists(PlanPath(entry->path()))) ids.emplace_back(name);
-  }
-  if (failure && failure != std::errc::no_such_file_or_directory) {
-    return MakeError(ErrorCode::kUnavailable, "{}: {}", folder.string(), failure.message());
-  }
-  std::sort(ids.begin(), ids.end());
+  WAYMARK_TRY_ASSIGN(std::vector<ExperienceId> ids, map.ListExperiences());
+  std::erase_if(ids, [&](const ExperienceId& id) {
+    std::error_code ignored;
+    return !fs::exists(PlanPath(map.ExperienceFolder(id)), ignored);
+  });
   return ids;
 }
 

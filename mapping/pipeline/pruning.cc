@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "mapping/base/file.h"
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/planning.h"
 
@@ -55,15 +56,11 @@ Result<void> FindReleases(const MapDirectory& map, std::size_t keep, Doomed& doo
   return {};
 }
 
-std::vector<std::string> ListNames(const fs::path& folder, std::string_view ending) {
-  std::vector<std::string> names;
-  std::error_code failure;
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
-       entry.increment(failure)) {
-    const std::string name = entry->path().filename().string();
-    if (!name.starts_with('.') && name.ends_with(ending)) names.push_back(name);
-  }
-  std::sort(names.begin(), names.end());
+Result<std::vector<std::string>> ListFinished(const fs::path& folder, std::string_view ending) {
+  WAYMARK_TRY_ASSIGN(std::vector<std::string> names, ListFolder(folder));
+  std::erase_if(names, [&](const std::string& name) {
+    return name.starts_with('.') || !name.ends_with(ending);
+  });
   return names;
 }
 
@@ -77,7 +74,8 @@ Result<void> FindFeatures(const MapDirectory& map, const ExperienceId& id, Doome
   for (const IndexedImage& image : index->images) {
     named.insert(FeaturePath(folder, image.features).filename().string());
   }
-  for (const std::string& name : ListNames(folder / "features", ".feat")) {
+  WAYMARK_TRY_ASSIGN(const auto names, ListFinished(folder / "features", ".feat"));
+  for (const std::string& name : names) {
     if (!named.contains(name)) doomed.files.push_back({id, fs::path("features") / name});
   }
   return {};
@@ -102,7 +100,8 @@ Result<void> FindTasks(const MapDirectory& map, const ExperienceId& id,
       doomed.files.push_back({id, fs::relative(DecisionPath(folder, task), folder)});
     }
   }
-  for (const std::string& name : ListNames(folder / "tasks", ".json")) {
+  WAYMARK_TRY_ASSIGN(const auto names, ListFinished(folder / "tasks", ".json"));
+  for (const std::string& name : names) {
     const std::string task = name.substr(0, name.find('.'));
     if (name != task + ".json" || is_planned(task) || known.contains(task)) continue;
     doomed.files.push_back({id, fs::path("tasks") / name});

@@ -6,6 +6,8 @@
 #include <charconv>
 
 #include "mapping/base/content_hash.h"
+#include "mapping/base/file.h"
+#include "mapping/base/mapped_file.h"
 #include "mapping/store/internal/map_description.h"
 
 namespace waymark::mapping {
@@ -34,16 +36,11 @@ Result<void> CheckIsFreeForMap(const fs::path& folder) {
     return MakeError(ErrorCode::kConflict, "{}: expected a folder without a map, found a map",
                      folder.string());
   }
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder, failure)) {
-    const std::string name = entry.path().filename().string();
+  WAYMARK_TRY_ASSIGN(const std::vector<std::string> names, ListFolder(folder));
+  for (const std::string& name : names) {
     if (IsOfUnfinishedMap(name)) continue;
     return MakeError(ErrorCode::kConflict, "{}: expected an empty folder for a new map, found {}",
                      folder.string(), name);
-  }
-  if (failure) {
-    return MakeError(ErrorCode::kUnavailable, "{}: cannot read folder: {}", folder.string(),
-                     failure.message());
   }
   return {};
 }
@@ -133,15 +130,16 @@ Result<std::optional<std::uint64_t>> MapDirectory::LoadCurrentEpoch() const {
 }
 
 Result<std::vector<std::uint64_t>> MapDirectory::ListReleaseEpochs() const {
-  std::vector<std::uint64_t> epochs;
-  std::error_code failure;
-  for (const auto& entry : fs::directory_iterator(folder_ / "releases", failure)) {
-    if (entry.path().extension() != ".json") continue;
-    if (const auto epoch = ParseEpoch(entry.path().stem().string())) epochs.push_back(*epoch);
+  const fs::path folder = folder_ / "releases";
+  if (!Exists(folder)) {  // not the same as none: an epoch that was used would be used again
+    return MakeError(ErrorCode::kUnavailable, "{}: expected the folder of the releases, found none",
+                     folder.string());
   }
-  if (failure) {
-    return MakeError(ErrorCode::kUnavailable, "{}: cannot read folder: {}",
-                     (folder_ / "releases").string(), failure.message());
+  WAYMARK_TRY_ASSIGN(const std::vector<std::string> names, ListFolder(folder));
+  std::vector<std::uint64_t> epochs;
+  for (const fs::path name : names) {
+    if (name.extension() != ".json") continue;
+    if (const auto epoch = ParseEpoch(name.stem().string())) epochs.push_back(*epoch);
   }
   std::sort(epochs.begin(), epochs.end());
   return epochs;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mapping/base/file.h"
+#include "mapping/base/file_lock.h"
 #include "mapping/base/result.h"
 #include "mapping/geometry/geodesy.h"
 #include "mapping/store/release.h"

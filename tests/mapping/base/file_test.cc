@@ -5,6 +5,9 @@
 
 #include <filesystem>
 
+#include "mapping/base/file_lock.h"
+#include "mapping/base/mapped_file.h"
+
 namespace waymark {
 namespace {
 
@@ -34,9 +37,7 @@ TEST_F(File, StoredBytesComeBack) {
 TEST_F(File, StoringLeavesNoTemporaryBehind) {
   ASSERT_TRUE(StoreFileAtomically(folder_ / "x", std::string_view("x")));
   EXPECT_FALSE(StoreFileAtomically(folder_ / "a", std::string_view("over a folder")));
-  int entries = 0;
-  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) ++entries;
-  EXPECT_EQ(entries, 2);
+  EXPECT_THAT(ListFolder(folder_).value(), testing::ElementsAre("a", "x"));
 }
 
 TEST_F(File, MissingFilesAreNamed) {
@@ -49,6 +50,44 @@ TEST_F(File, MissingFilesAreNamed) {
 TEST_F(File, AnEmptyFileMapsToNothing) {
   ASSERT_TRUE(StoreFileAtomically(folder_ / "empty", std::string_view()));
   EXPECT_TRUE(MappedFile::Open(folder_ / "empty").value().bytes().empty());
+}
+
+TEST_F(File, DeletingLeavesNothingAndMayBeRepeated) {
+  ASSERT_TRUE(StoreFileAtomically(folder_ / "a" / "x", std::string_view("x")));
+  EXPECT_TRUE(DeleteFile(folder_ / "a" / "x"));
+  EXPECT_TRUE(DeleteFile(folder_ / "a" / "x")) << "again";
+  EXPECT_TRUE(DeleteFolder(folder_ / "a"));
+  EXPECT_TRUE(DeleteFolder(folder_ / "a")) << "again";
+  EXPECT_TRUE(DeleteFolder(folder_ / "a" / "b")) << "nor its parent";
+  EXPECT_THAT(ListFolder(folder_).value(), testing::IsEmpty());
+}
+
+TEST_F(File, DeletingAFileSparesAFolder) {
+  const auto result = DeleteFile(folder_ / "a");
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kUnavailable);
+  EXPECT_THAT(result.error().message, testing::HasSubstr("cannot delete"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "a" / "b"));
+}
+
+TEST_F(File, ARenamedFolderKeepsWhatItHolds) {
+  ASSERT_TRUE(RenameFolder(folder_ / "a", folder_ / "c"));
+  EXPECT_THAT(ListFolder(folder_).value(), testing::ElementsAre("c"));
+  EXPECT_THAT(ListFolder(folder_ / "c").value(), testing::ElementsAre("b"));
+  EXPECT_EQ(RenameFolder(folder_ / "a", folder_ / "d").error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(File, ListingIsSortedAndShowsWhatIsHidden) {
+  for (const std::string name : {"z", ".hidden", "m", "B"}) {
+    ASSERT_TRUE(StoreFileAtomically(folder_ / name, std::string_view(name)));
+  }
+  EXPECT_THAT(ListFolder(folder_).value(), testing::ElementsAre(".hidden", "B", "a", "m", "z"));
+}
+
+TEST_F(File, AMissingFolderIsEmptyButAFileIsNoFolder) {
+  EXPECT_THAT(ListFolder(folder_ / "absent").value(), testing::IsEmpty());
+  ASSERT_TRUE(StoreFileAtomically(folder_ / "x", std::string_view("x")));
+  EXPECT_EQ(ListFolder(folder_ / "x").error().code, ErrorCode::kUnavailable);
 }
 
 TEST_F(File, ALockIsHeldOnceAndReleased) {

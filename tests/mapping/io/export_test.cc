@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "mapping/base/file.h"
 #include "mapping/io/export_colmap.h"
 #include "mapping/io/export_points.h"
 #include "mapping/io/export_trajectory.h"

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "mapping/base/content_hash.h"
+#include "mapping/base/file.h"
 #include "mapping/io/stored_rotation.h"
 #include "tests/mapping/io/example_submap.h"
 

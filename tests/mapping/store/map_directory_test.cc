@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "mapping/base/content_hash.h"
+#include "mapping/base/file.h"
 #include "tests/mapping/store/example_release.h"
 
 namespace waymark::mapping {
@@ -165,6 +166,13 @@ TEST_F(MapFolder, ReleasesAreDeployedAndRolledBack) {
   ASSERT_TRUE(map.Deploy(1));
   EXPECT_EQ(map.LoadCurrentRelease()->epoch, 1u);
   EXPECT_THAT(map.ListReleaseEpochs().value(), ElementsAre(1, 2));
+}
+
+TEST_F(MapFolder, LostReleasesAreNotTakenForNone) {
+  const MapDirectory map = CreateMap();
+  EXPECT_THAT(map.ListReleaseEpochs().value(), testing::IsEmpty());
+  std::filesystem::remove_all(root_ / "map" / "releases");
+  EXPECT_EQ(map.ListReleaseEpochs().error().code, ErrorCode::kUnavailable);
 }
 
 TEST_F(MapFolder, AReleaseIsImmutable) {
