@@ -52,9 +52,7 @@ Result<std::set<std::string>> ListWithdrawn(const MapDirectory& map, const Exper
       WAYMARK_TRY_ASSIGN(released, LoadReleasedSubmaps(map));  // rarely needed, and not cheap
     }
     if (!released->contains(*decision->submap)) continue;  // it is yet to be released
-    const fs::path path = TaskPath(folder, name);
-    WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
-    WAYMARK_TRY_ASSIGN(const SubmapTask task, DecodeTask(text, path.string()));
+    WAYMARK_TRY_ASSIGN(const SubmapTask task, LoadTask(folder, name));
     for (const TaskImage& image : task.images) {
       if (!image.is_borrowed) withdrawn.insert(image.name);
     }
@@ -127,9 +125,7 @@ Result<bool> IsBuildable(const MapDirectory& map, const fs::path& folder, const 
   for (const std::string& name : plan.tasks) {
     WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, name));
     if (decision) continue;
-    const fs::path path = TaskPath(folder, name);
-    WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
-    WAYMARK_TRY_ASSIGN(const SubmapTask task, DecodeTask(text, path.string()));
+    WAYMARK_TRY_ASSIGN(const SubmapTask task, LoadTask(folder, name));
     for (const auto& [experience, content] : task.contents) {
       const auto lender = LoadIndex(map.ExperienceFolder(experience));
       if (!lender && lender.error().code != ErrorCode::kNotFound) return lender.error();
@@ -140,6 +136,12 @@ Result<bool> IsBuildable(const MapDirectory& map, const fs::path& folder, const 
 }
 
 }  // namespace
+
+Result<SubmapTask> LoadTask(const fs::path& experience_folder, const std::string& task) {
+  const fs::path path = TaskPath(experience_folder, task);
+  WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
+  return DecodeTask(text, path.string());
+}
 
 Result<std::optional<Plan>> LoadPlan(const fs::path& experience_folder) {
   const fs::path path = PlanPath(experience_folder);

@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "mapping/base/file.h"
 #include "mapping/pipeline/internal/index_times.h"
 #include "mapping/pipeline/internal/left_out.h"
 #include "mapping/pipeline/internal/membership.h"
@@ -46,9 +45,7 @@ SubmapRecord MakeRecord(const std::string& task, const std::optional<Decision>& 
 /// Adds the names of the task's own images that its submap holds.
 Result<void> AddHeldImages(const fs::path& folder, const std::string& name,
                            const Decision& decision, std::set<std::string>& held) {
-  const fs::path path = TaskPath(folder, name);
-  WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
-  WAYMARK_TRY_ASSIGN(const SubmapTask task, DecodeTask(text, path.string()));
+  WAYMARK_TRY_ASSIGN(const SubmapTask task, LoadTask(folder, name));
   std::set<std::string> left_out;
   for (const LeftOutImage& image : decision.left_out) left_out.insert(image.name);
   for (const TaskImage& image : task.images) {

@@ -8,6 +8,7 @@
 
 #include "mapping/base/file.h"
 #include "mapping/features/feature_codec.h"
+#include "mapping/pipeline/internal/planning.h"
 
 namespace waymark::mapping {
 namespace {
@@ -106,9 +107,7 @@ void DropUnusedCameras(TaskInput& input) {
 
 Result<TaskInput> LoadTaskInput(const MapDirectory& map, const fs::path& folder,
                                 const std::string& task, const Parallelism& parallelism) {
-  const fs::path path = TaskPath(folder, task);
-  WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
-  WAYMARK_TRY_ASSIGN(SubmapTask decoded, DecodeTask(text, path.string()));
+  WAYMARK_TRY_ASSIGN(SubmapTask decoded, LoadTask(folder, task));
   TaskInput input{.task = std::move(decoded),
                   .uses_gnss = map.description().is_geo_aligned,
                   .images = {},
@@ -124,7 +123,7 @@ Result<TaskInput> LoadTaskInput(const MapDirectory& map, const fs::path& folder,
     const auto lender = lenders.find(image.experience);
     if (lender == lenders.end() || !lender->second.image_by_name.contains(image.name)) {
       return MakeError(ErrorCode::kNotFound, "{}: image {} of experience {} is not in the map",
-                       path.string(), image.name, image.experience.text());
+                       TaskPath(folder, task).string(), image.name, image.experience.text());
     }
     const Lender& from = lender->second;
     const std::size_t position = from.image_by_name.at(image.name);

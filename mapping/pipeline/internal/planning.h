@@ -16,6 +16,10 @@ namespace waymark::mapping {
 Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& index,
                             const std::set<SubmapId>& in_map, const PipelineOptions& options);
 
+/// Errors: NotFound, those of DecodeTask, naming the file.
+Result<SubmapTask> LoadTask(const std::filesystem::path& experience_folder,
+                            const std::string& task);
+
 /// nullopt: not planned yet.
 Result<std::optional<Plan>> LoadPlan(const std::filesystem::path& experience_folder);
 
