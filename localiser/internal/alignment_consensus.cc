@@ -18,12 +18,6 @@ constexpr int kMaxIterations = 20;
 constexpr int kMaxSelections = 5;
 constexpr double kTiltSigmaRad = 0.01;  // what phones' gravity is good for, about half a degree
 
-Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return cross;
-}
-
 double HuberWeight(double residual, double threshold) {
   return residual <= threshold ? 1 : threshold / residual;
 }

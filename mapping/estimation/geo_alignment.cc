@@ -11,7 +11,6 @@
 #include <random>
 
 #include "mapping/base/median.h"
-#include "mapping/estimation/projection_derivatives.h"
 
 namespace waymark::mapping {
 namespace {

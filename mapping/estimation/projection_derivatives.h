@@ -27,10 +27,4 @@ inline Eigen::Matrix<double, 2, 3> NormalizationDerivative(const Eigen::Vector3d
   return derivative;
 }
 
-inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return cross;
-}
-
 }  // namespace waymark::mapping

@@ -7,12 +7,6 @@
 namespace waymark::mapping {
 namespace {
 
-Eigen::Matrix3d Cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d cross;
-  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return cross;
-}
-
 /// Written out, as the inner loops need them inlined.
 Eigen::Vector3d Apply(const Eigen::Matrix3d& m, const Eigen::Vector3d& v) {
   return m.col(0) * v.x() + m.col(1) * v.y() + m.col(2) * v.z();
@@ -52,9 +46,9 @@ struct Moments {
   Block ToBlock() const {
     Block block;
     block.topLeftCorner<3, 3>() = weight * Eigen::Matrix3d::Identity();
-    block.block<3, 3>(0, 3) = -Cross(b);
+    block.block<3, 3>(0, 3) = -CrossMatrix(b);
     block.block<3, 1>(0, 6) = b;
-    block.block<3, 3>(3, 0) = Cross(a);
+    block.block<3, 3>(3, 0) = CrossMatrix(a);
     block.block<3, 3>(3, 3) = ab.trace() * Eigen::Matrix3d::Identity() - ab.transpose();
     const Eigen::Vector3d across(ab(1, 2) - ab(2, 1), ab(2, 0) - ab(0, 2), ab(0, 1) - ab(1, 0));
     block.block<3, 1>(3, 6) = across;

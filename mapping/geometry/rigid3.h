@@ -37,6 +37,13 @@ class Rigid3 {
   Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
 };
 
+/// The matrix of the cross product: `CrossMatrix(v) * x == v.cross(x)`.
+inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d cross;
+  cross << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return cross;
+}
+
 /// The rotation by |v| radians about v, and its inverse (angle in [0, pi]).
 Eigen::Quaterniond RotationFromVector(const Eigen::Vector3d& rotation_vector);
 Eigen::Vector3d VectorFromRotation(const Eigen::Quaterniond& rotation);

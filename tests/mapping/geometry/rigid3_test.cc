@@ -39,6 +39,14 @@ TEST(Rigid3, RotationVectorsSurviveTinyAndHalfTurns) {
   }
 }
 
+TEST(Rigid3, CrossMatrixIsTheCrossProduct) {
+  RandomGeometry random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d v = random.Vector(10), x = random.Vector(10);
+    EXPECT_LT((CrossMatrix(v) * x - v.cross(x)).norm(), 1e-12);
+  }
+}
+
 TEST(Rigid3, InterpolationMeetsItsEnds) {
   RandomGeometry random(3);
   const Rigid3 a = random.Rigid(), b = random.Rigid();
