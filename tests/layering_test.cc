@@ -46,16 +46,16 @@ const std::map<std::string_view, std::vector<std::string_view>> kMayOnlySee{
 
 /// A library's headers, as a prefix of what stands between <>, and the folders that may use it.
 const std::map<std::string_view, std::vector<std::string_view>> kDoors{
-    {"opencv2/", {"mapping/features", "mapping/tools", "session/device", "examples", "tests"}},
+    {"opencv2/", {"mapping/features", "session/device", "examples", "tests"}},
     {"flann/", {"mapping/matching", "localiser", "tests"}},
     {"opengv/", {"mapping/estimation", "tests"}},
-    {"ceres/", {"mapping/estimation", "mapping/fusion", "tests"}},
+    {"ceres/", {"mapping/estimation", "tests"}},
     {"GeographicLib/", {"mapping/geometry", "tests"}},
     {"exiv2/", {"mapping/experience", "tests"}},
     {"dds/", {"session/dds", "tests"}},
     {"ddsc/", {"session/dds", "tests"}},
     {"soci/", {"content_store", "tests"}},
-    {"sqlite3.h", {"content_store", "tests"}},
+    {"sqlite3.h", {"tests"}},
     {"s2/", {"content_store", "tests"}},
     {"embree3/", {"examples/simulator"}},
 };
