@@ -3,10 +3,13 @@
 
 #include <fcntl.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
@@ -33,6 +36,10 @@ std::string LastLines(const fs::path& log, std::size_t wanted) {
   return text->substr(begin);
 }
 
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+}
+
 Result<pid_t> Start(const fs::path& program, std::vector<std::string> words, const fs::path& log) {
   words.insert(words.begin(), program.string());
   std::vector<char*> argv;
@@ -44,7 +51,8 @@ Result<pid_t> Start(const fs::path& program, std::vector<std::string> words, con
                                    O_WRONLY | O_CREAT | O_APPEND, 0644);
   posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
   pid_t child = 0;
-  const int failure = posix_spawn(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
+  const int failure =
+      posix_spawnp(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failure == 0) return child;
   return MakeError(ErrorCode::kUnavailable, "{}: cannot be started: {}", program.string(),
@@ -73,13 +81,26 @@ fs::path ExecutableFolder() {
   return fs::read_symlink("/proc/self/exe", ignored).parent_path();
 }
 
-Result<void> RunProgram(const fs::path& program, const std::vector<std::string>& arguments,
-                        const fs::path& log) {
+Usage& Usage::operator+=(const Usage& other) {
+  wall_s += other.wall_s;
+  cpu_s += other.cpu_s;
+  peak_mib = std::max(peak_mib, other.peak_mib);
+  return *this;
+}
+
+Result<Usage> RunProgram(const fs::path& program, const std::vector<std::string>& arguments,
+                         const fs::path& log) {
+  const auto start = std::chrono::steady_clock::now();
   WAYMARK_TRY_ASSIGN(const pid_t child, Start(program, arguments, log));
   int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  rusage used{};
+  while (wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+    return Usage{wall.count(), Seconds(used.ru_utime) + Seconds(used.ru_stime),
+                 static_cast<double>(used.ru_maxrss) / 1024};
+  }
   const std::string how = WIFEXITED(status) ? fmt::format("status {}", WEXITSTATUS(status))
                                             : fmt::format("signal {}", WTERMSIG(status));
   return MakeError(ErrorCode::kUnavailable, "{} {} ended with {}:\n{}", program.filename().string(),

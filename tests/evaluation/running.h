@@ -27,11 +27,21 @@ class ScratchFolder {
 /// The folder of the running executable, where its siblings are installed too.
 std::filesystem::path ExecutableFolder();
 
-/// Runs a program as a user would and waits for it. Its output goes to the end of `log`.
+/// What a program took, or several one after the other.
+struct Usage {
+  double wall_s = 0;
+  double cpu_s = 0;
+  double peak_mib = 0;  ///< resident, of the largest
+
+  Usage& operator+=(const Usage& other);
+};
+
+/// Runs a program as a user would and waits for it; a bare name is looked up in PATH. Its output
+/// goes to the end of `log`.
 /// Errors: Unavailable when it cannot be started or does not end with 0; the message holds the last
 /// lines of its output.
-Result<void> RunProgram(const std::filesystem::path& program,
-                        const std::vector<std::string>& arguments,
-                        const std::filesystem::path& log);
+Result<Usage> RunProgram(const std::filesystem::path& program,
+                         const std::vector<std::string>& arguments,
+                         const std::filesystem::path& log);
 
 }  // namespace waymark::evaluation

@@ -23,6 +23,20 @@ TEST(RunProgram, KeepsOutputAndReportsHowItEnded) {
   EXPECT_FALSE(RunProgram(scratch.path() / "absent", {}, log).ok());
 }
 
+TEST(RunProgram, FindsABareNameAndSaysWhatItTook) {
+  const ScratchFolder scratch(false);
+  auto used = RunProgram("sh", {"-c", "i=0; while [ $i -lt 1000 ]; do i=$((i + 1)); done"},
+                         scratch.path() / "log");
+  ASSERT_TRUE(used.ok());
+  EXPECT_GT(used->wall_s, 0);
+  EXPECT_GT(used->cpu_s, 0);
+  EXPECT_GT(used->peak_mib, 0.1);
+  *used += {.wall_s = 2, .cpu_s = 1, .peak_mib = 1e6};
+  EXPECT_GT(used->wall_s, 2);
+  EXPECT_GT(used->cpu_s, 1);
+  EXPECT_EQ(used->peak_mib, 1e6) << "one after the other, not together";
+}
+
 TEST(ScratchFolder, GoesWithItsOwner) {
   std::filesystem::path path;
   {

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 /// Where the data's simulated GNSS puts the origin of the truth.
 const GeoPoint kTruthOrigin{Angle::Degrees(37.7749), Angle::Degrees(-122.4194), 15};
 
-Result<void> AddToMap(const Workplace& place, const fs::path& map, const fs::path& experience) {
+Result<Usage> AddToMap(const Workplace& place, const fs::path& map, const fs::path& experience) {
   return RunProgram(place.programs / "waymark-map",
                     {"add", map.string(), experience.string(), "--threads", place.threads},
                     fs::path(map).replace_extension(".log"));

@@ -28,9 +28,10 @@ const std::array kRecordings{Recording{"fountain", "exhaustive"},
 
 Result<Outcome> RunOurs(const fs::path& experience, const fs::path& scratch) {
   const fs::path map = scratch / "map";
-  WAYMARK_TRY_ASSIGN(const Usage usage,
-                     RunTimed(evaluation::ExecutableFolder() / "waymark-map",
-                              {"add", map, experience, "--quiet"}, scratch / "waymark.log"));
+  WAYMARK_TRY_ASSIGN(
+      const evaluation::Usage usage,
+      evaluation::RunProgram(evaluation::ExecutableFolder() / "waymark-map",
+                             {"add", map, experience, "--quiet"}, scratch / "waymark.log"));
   WAYMARK_TRY_ASSIGN(const evaluation::MapPoses poses, evaluation::LoadMapPoses(map));
   return Outcome{usage, poses.map_from_camera};
 }

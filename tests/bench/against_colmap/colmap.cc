@@ -53,10 +53,10 @@ Result<evaluation::Trajectory> LoadImagesTxt(const fs::path& path) {
 Result<evaluation::Trajectory> LoadLargestModel(const fs::path& models, const fs::path& log) {
   evaluation::Trajectory largest;
   for (const fs::directory_entry& model : fs::directory_iterator(models)) {
-    WAYMARK_TRY(RunTimed("colmap",
-                         {"model_converter", "--input_path", model.path(), "--output_path",
-                          model.path(), "--output_type", "TXT"},
-                         log));
+    WAYMARK_TRY(evaluation::RunProgram("colmap",
+                                       {"model_converter", "--input_path", model.path(),
+                                        "--output_path", model.path(), "--output_type", "TXT"},
+                                       log));
     WAYMARK_TRY_ASSIGN(auto poses, LoadImagesTxt(model.path() / "images.txt"));
     if (poses.size() > largest.size()) largest = std::move(poses);
   }
@@ -87,7 +87,7 @@ Result<Outcome> RunColmap(const fs::path& experience, const std::string& matchin
        {extract,
         {matching + "_matcher", "--database_path", database, "--SiftMatching.use_gpu", "0"},
         {"mapper", "--database_path", database, "--image_path", images, "--output_path", models}}) {
-    WAYMARK_TRY_ASSIGN(const Usage usage, RunTimed("colmap", step, log));
+    WAYMARK_TRY_ASSIGN(const evaluation::Usage usage, evaluation::RunProgram("colmap", step, log));
     outcome.usage += usage;
   }
   WAYMARK_TRY_ASSIGN(outcome.world_from_camera, LoadLargestModel(models, log));

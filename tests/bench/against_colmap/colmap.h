@@ -5,14 +5,14 @@
 #include <string>
 
 #include "mapping/base/result.h"
-#include "tests/bench/against_colmap/timed_program.h"
+#include "tests/evaluation/running.h"
 #include "tests/evaluation/trajectory.h"
 
 namespace waymark::bench {
 
 /// A reconstruction and what it took.
 struct Outcome {
-  Usage usage;
+  evaluation::Usage usage;
   evaluation::Trajectory world_from_camera;
 };
 
