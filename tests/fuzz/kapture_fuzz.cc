@@ -9,6 +9,7 @@
 #include "mapping/base/check.h"
 #include "mapping/experience/kapture.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/support/temporary_root.h"
 
 namespace waymark::fuzz {
 namespace {
@@ -24,10 +25,10 @@ constexpr std::array kTables{"sensors.txt",
                              "records_gyroscope.txt",
                              "trajectories.txt"};
 
-/// In memory, and gone with the process.
+/// Gone with the process.
 class Folder {
  public:
-  Folder() : path_(Root() / ("kapture_fuzz_" + std::to_string(getpid()))) {
+  Folder() : path_(support::TemporaryRoot() / ("kapture_fuzz_" + std::to_string(getpid()))) {
     fs::create_directories(path_ / "sensors" / "records_data");
     std::ofstream(path_ / "sensors" / "records_data" / "a.jpg") << "pixels";
   }
@@ -38,11 +39,6 @@ class Folder {
   const fs::path& path() const { return path_; }
 
  private:
-  static fs::path Root() {
-    const fs::path memory("/dev/shm");
-    return fs::is_directory(memory) ? memory : fs::temp_directory_path();
-  }
-
   fs::path path_;
 };
 

@@ -15,6 +15,7 @@
 #include "mapping/geometry/geodesy.h"
 #include "session/device/device_session.h"
 #include "session/server/server.h"
+#include "tests/support/temporary_root.h"
 
 namespace waymark::session::support {
 
@@ -98,7 +99,9 @@ inline ServerParts MakeParts(const mapping::Release& release,
 /// A server on loopback with a store that outlives it, on a DDS domain of this process's own.
 class SessionTest : public testing::Test {
  protected:
-  SessionTest() : folder_(TemporaryRoot() / ("waymark_session_" + std::to_string(::getpid()))) {
+  SessionTest()
+      : folder_(waymark::support::TemporaryRoot() /
+                ("waymark_session_" + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
   }
   ~SessionTest() override {
@@ -106,11 +109,6 @@ class SessionTest : public testing::Test {
     std::filesystem::remove_all(folder_);
   }
 
-  /// In memory where there is such a place: disks that others keep busy took 90 ms for each sync.
-  static std::filesystem::path TemporaryRoot() {
-    const std::filesystem::path memory("/dev/shm");
-    return std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path();
-  }
   std::filesystem::path StorePath() const { return folder_ / "anchors.db"; }
 
   ServerParts MakeParts(const mapping::Release& release = MakeRelease()) const {
