@@ -105,10 +105,12 @@ void RegisterRemove(CLI::App& app, int& exit_code) {
       "What stays is exactly where it was until the next `add` fuses the map; with --fuse it is\n"
       "placed anew at once, as if what goes had never been there: for when that bent the map.\n"
       "Nothing is built again; images that other submaps borrowed stay with them. Submap files "
-      "stay for `rollback` until `waymark-map prune`. To "
-      "undo\n"
-      "it for good, add the experience again: what was built before is taken as it is, what was\n"
-      "pruned is built again. A map is never emptied. Killed or run twice, it does no harm.");
+      "stay\n"
+      "for `rollback` until `waymark-map prune`. To undo it for good, add the experience again: "
+      "what\n"
+      "was built before is taken as it is, what was pruned is built again. A map is never "
+      "emptied.\n"
+      "Killed or run twice, it does no harm.");
   remove->add_option("MAP", arguments->map, "the map directory")->required();
   remove->add_option("--submap", arguments->submaps, "id of a submap");
   remove->add_option("--experience", arguments->experiences, "id of an experience");
