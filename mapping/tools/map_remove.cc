@@ -47,8 +47,10 @@ Result<Area> ParseArea(const std::string& text) {
 }
 
 Result<RemoveRequest> MakeRequest(const RemoveArguments& arguments) {
-  RemoveRequest request{
-      .map_folder = arguments.map, .is_candidate = arguments.is_candidate, .created_utc = UtcNow()};
+  RemoveRequest request{.map_folder = arguments.map,
+                        .places_anew = arguments.places_anew,
+                        .is_candidate = arguments.is_candidate,
+                        .created_utc = UtcNow()};
   for (const std::string& id : arguments.submaps) request.submaps.emplace_back(id);
   for (const std::string& id : arguments.experiences) request.experiences.emplace_back(id);
   if (!arguments.area.empty()) {
