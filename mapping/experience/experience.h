@@ -61,14 +61,14 @@ struct TrajectoryRecord {
 /// Records are sorted by time. Immutable once read.
 struct Experience {
   ExperienceId id;
-  std::filesystem::path folder;
-  std::map<std::string, CameraSensor> cameras;
-  std::vector<RigMember> rigs;
-  std::vector<ImageRecord> images;
-  std::vector<GnssRecord> gnss;
-  std::vector<ImuRecord> accelerometer;
-  std::vector<ImuRecord> gyroscope;
-  std::vector<TrajectoryRecord> trajectory;
+  std::filesystem::path folder = {};
+  std::map<std::string, CameraSensor> cameras = {};
+  std::vector<RigMember> rigs = {};
+  std::vector<ImageRecord> images = {};
+  std::vector<GnssRecord> gnss = {};
+  std::vector<ImuRecord> accelerometer = {};
+  std::vector<ImuRecord> gyroscope = {};
+  std::vector<TrajectoryRecord> trajectory = {};
 
   std::filesystem::path ImagePath(const ImageRecord& image) const {
     return folder / "sensors" / "records_data" / image.name;

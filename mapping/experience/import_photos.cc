@@ -192,12 +192,7 @@ Result<void> CheckFolders(const fs::path& photos, const fs::path& experience) {
 
 Result<PhotoImport> ImportPhotos(const fs::path& photo_folder, const fs::path& experience_folder) {
   WAYMARK_TRY(CheckFolders(photo_folder, experience_folder));
-  PhotoImport import{
-      Experience{ExperienceId("import"), experience_folder, {}, {}, {}, {}, {}, {}, {}},
-      {},
-      PhotoTimes::kCaptured,
-      0,
-      0};
+  PhotoImport import{.experience = {.id = ExperienceId("import"), .folder = experience_folder}};
   WAYMARK_TRY_ASSIGN(const auto photos, LoadPhotos(photo_folder, import.left_out));
   WAYMARK_TRY(Describe(photos, import));
   for (const Photo& photo : photos) {

@@ -25,7 +25,7 @@ enum class PhotoTimes {
 
 struct PhotoImport {
   Experience experience;
-  std::vector<LeftOutPhoto> left_out;  ///< sorted by name
+  std::vector<LeftOutPhoto> left_out = {};  ///< sorted by name
   PhotoTimes times = PhotoTimes::kCaptured;
   std::size_t photos_without_gps = 0;
   std::size_t photos_with_guessed_focal = 0;

@@ -76,10 +76,7 @@ Result<IndexedImage> DecodeImage(const json& value, const ExperienceIndex& index
   IndexedImage image{.name = value.at("name").get<std::string>(),
                      .time = FromNanoseconds<SensorTime>(value.at("time_ns").get<std::int64_t>()),
                      .camera = value.at("camera").get<std::uint32_t>(),
-                     .features = value.at("features").get<std::string>(),
-                     .gnss = {},
-                     .up_in_camera = {},
-                     .next_from_this = {}};
+                     .features = value.at("features").get<std::string>()};
   if (image.camera >= index.cameras.size()) {
     return MakeError(ErrorCode::kCorrupt, "{}: image {} names camera {} of {}", name, image.name,
                      image.camera, index.cameras.size());
@@ -106,11 +103,7 @@ Result<IndexedImage> DecodeImage(const json& value, const ExperienceIndex& index
 Result<ExperienceIndex> DecodeBody(const json& body, std::string_view name) {
   ExperienceIndex index{.id = ExperienceId(body.at("id").get<std::string>()),
                         .content = body.at("content").get<std::string>(),
-                        .features = body.at("features").get<std::string>(),
-                        .cameras = {},
-                        .mounts = {},
-                        .images = {},
-                        .unusable = {}};
+                        .features = body.at("features").get<std::string>()};
   for (const json& value : body.at("cameras")) {
     WAYMARK_TRY_ASSIGN(CameraSensor camera, DecodeCamera(value, name));
     index.cameras.push_back(std::move(camera));

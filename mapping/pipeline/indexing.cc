@@ -127,13 +127,7 @@ Result<ExperienceIndex> IndexExperience(const Experience& experience, const Tang
                                         const Parallelism& parallelism, Run& run) {
   WAYMARK_TRY_ASSIGN(const std::vector<ImageOutcome> outcomes,
                      TakeImages(experience, folder, options, parallelism, run));
-  ExperienceIndex index{.id = experience.id,
-                        .content = {},
-                        .features = HashFeatureOptions(options),
-                        .cameras = {},
-                        .mounts = {},
-                        .images = {},
-                        .unusable = {}};
+  ExperienceIndex index{.id = experience.id, .features = HashFeatureOptions(options)};
   std::vector<std::string> contents;
   for (const ImageOutcome& outcome : outcomes) contents.push_back(outcome.content);
   WAYMARK_TRY_ASSIGN(index.content, CombineContent(experience, contents));
@@ -153,10 +147,7 @@ Result<ExperienceIndex> IndexExperience(const Experience& experience, const Tang
     index.images.push_back({.name = record.name,
                             .time = record.time,
                             .camera = camera_index.at(record.camera),
-                            .features = outcomes[i].features,
-                            .gnss = {},
-                            .up_in_camera = {},
-                            .next_from_this = {}});
+                            .features = outcomes[i].features});
   }
   if (index.images.empty()) {
     return MakeError(ErrorCode::kCorrupt, "experience {}: none of its {} images is usable; {}: {}",

@@ -17,10 +17,7 @@ constexpr int kFormat = 1;
 Result<SubmapTask> DecodeTaskBody(const json& body, std::string_view name) {
   const auto origin = body.at("origin").get<std::array<double, 3>>();
   SubmapTask task{.experience = ExperienceId(body.at("experience").get<std::string>()),
-                  .origin = {Angle::Degrees(origin[0]), Angle::Degrees(origin[1]), origin[2]},
-                  .options = {},
-                  .contents = {},
-                  .images = {}};
+                  .origin = {Angle::Degrees(origin[0]), Angle::Degrees(origin[1]), origin[2]}};
   WAYMARK_TRY_ASSIGN(task.options, DecodeBuildOptions(body.at("options").dump(), name));
   for (const auto& [experience, content] : body.at("contents").items()) {
     task.contents.emplace(ExperienceId(experience), content.get<std::string>());

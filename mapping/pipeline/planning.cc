@@ -103,8 +103,7 @@ SubmapTask MakeTask(const ExperienceIndex& index, const ImageSubset& subset,
   SubmapTask task{.experience = index.id,
                   .origin = origin,
                   .options = options,
-                  .contents = {{index.id, index.content}},
-                  .images = {}};
+                  .contents = {{index.id, index.content}}};
   std::vector<std::pair<std::uint32_t, bool>> own;
   for (const std::uint32_t i : subset.owned) own.emplace_back(i, false);
   for (const std::uint32_t i : subset.neighbour) own.emplace_back(i, true);
@@ -192,7 +191,7 @@ Result<Plan> PlanExperience(const MapDirectory& map, const ExperienceIndex& inde
   WAYMARK_TRY_ASSIGN(const Split split,
                      SplitExperience(images, neighbourhood.images, options.split));
 
-  Plan plan{.options = options_hash, .tasks = {}, .thinned_out = {}};
+  Plan plan{.options = options_hash};
   for (const std::uint32_t i : split.thinned_out) plan.thinned_out.push_back(index.images[i].name);
   WAYMARK_TRY(CreateFolders(folder / "tasks"));
   for (const ImageSubset& subset : split.subsets) {

@@ -20,8 +20,8 @@ struct Lender {
   ExperienceIndex index;
   std::uint32_t group = 0;
   std::uint32_t first_camera = 0;
-  std::unordered_map<std::string, std::size_t> image_by_name;
-  std::vector<GyroscopeChain> chains;  ///< by image
+  std::unordered_map<std::string, std::size_t> image_by_name = {};
+  std::vector<GyroscopeChain> chains = {};  ///< by image
 };
 
 /// Images of one camera follow each other in time; the index is sorted.
@@ -47,7 +47,7 @@ Result<std::map<ExperienceId, Lender>> LoadLenders(const MapDirectory& map, cons
   std::map<ExperienceId, Lender> lenders;
   for (const auto& [id, content] : task.contents) {
     WAYMARK_TRY_ASSIGN(ExperienceIndex index, LoadIndex(map.ExperienceFolder(id)));
-    Lender lender{.index = std::move(index), .image_by_name = {}, .chains = {}};
+    Lender lender{.index = std::move(index)};
     if (lender.index.content != content) {
       return MakeError(ErrorCode::kConflict, "experience {}: changed since the submap was planned",
                        id.text());
@@ -108,16 +108,7 @@ void DropUnusedCameras(TaskInput& input) {
 Result<TaskInput> LoadTaskInput(const MapDirectory& map, const fs::path& folder,
                                 const std::string& task, const Parallelism& parallelism) {
   WAYMARK_TRY_ASSIGN(SubmapTask decoded, LoadTask(folder, task));
-  TaskInput input{.task = std::move(decoded),
-                  .uses_gnss = map.description().is_geo_aligned,
-                  .images = {},
-                  .chains = {},
-                  .features = {},
-                  .sequences = {},
-                  .cameras = {},
-                  .camera_of_image = {},
-                  .group_of_image = {},
-                  .mounts = {}};
+  TaskInput input{.task = std::move(decoded), .uses_gnss = map.description().is_geo_aligned};
   WAYMARK_TRY_ASSIGN(const auto lenders, LoadLenders(map, input.task, input));
   for (const TaskImage& image : input.task.images) {
     const auto lender = lenders.find(image.experience);

@@ -35,11 +35,7 @@ std::vector<IndexedImage> Sense(const SimulatedDrive& drive, const TangentPlane&
   for (std::size_t i = 0; i < drive.seconds.size(); ++i) {
     IndexedImage image{.name = fmt::format("{:06}", i),
                        .time = FromNanoseconds<SensorTime>(std::llround(1e9 * drive.seconds[i])),
-                       .camera = drive.camera_of_image[i],
-                       .features = {},
-                       .gnss = {},
-                       .up_in_camera = {},
-                       .next_from_this = {}};
+                       .camera = drive.camera_of_image[i]};
     images.push_back(std::move(image));
   }
   SenseImages(experience, plane, images);

@@ -131,18 +131,6 @@ mapping::World MakeWorldAlong(const simulator::Motion& motion, double duration_s
 
 SensorTime At(double seconds) { return FromNanoseconds<SensorTime>(std::llround(seconds * 1e9)); }
 
-mapping::Experience NoRecords() {
-  return {.id = ExperienceId("drive"),
-          .folder = {},
-          .cameras = {},
-          .rigs = {},
-          .images = {},
-          .gnss = {},
-          .accelerometer = {},
-          .gyroscope = {},
-          .trajectory = {}};
-}
-
 void RecordSensors(const Random& random, double duration_s, const simulator::Motion& motion,
                    mapping::Experience& experience) {
   const simulator::Interval whole{-kLeadS, duration_s + kLeadS};
@@ -172,7 +160,7 @@ SimulatedDrive MakeDrive(Route route, std::uint64_t seed) {
                        .seconds = {},
                        .true_poses = {},
                        .seen_from = {},
-                       .experience = NoRecords(),
+                       .experience = {.id = ExperienceId("drive")},
                        .seed = seed};
   const std::vector<double> yaws_deg =
       route == Route::kTwoCameras ? std::vector{0.0, 60.0} : std::vector{0.0};

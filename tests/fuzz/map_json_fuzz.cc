@@ -32,9 +32,6 @@ mapping::ExperienceIndex ExampleIndex() {
   mapping::ExperienceIndex index{.id = ExperienceId("drive"),
                                  .content = "c0ffee",
                                  .features = "f00d",
-                                 .cameras = {},
-                                 .mounts = {},
-                                 .images = {},
                                  .unusable = {{"b.jpg", "empty"}}};
   const std::array parameters{500.0, 320.0, 240.0};
   index.cameras.push_back(
@@ -54,9 +51,7 @@ mapping::ExperienceIndex ExampleIndex() {
 mapping::SubmapTask ExampleTask() {
   mapping::SubmapTask task{.experience = ExperienceId("drive"),
                            .origin = {Angle::Degrees(55), Angle::Degrees(13), 40},
-                           .options = {},
-                           .contents = {{ExperienceId("drive"), "c0ffee"}},
-                           .images = {}};
+                           .contents = {{ExperienceId("drive"), "c0ffee"}}};
   task.images.push_back({ExperienceId("drive"), "a.jpg", false});
   return task;
 }

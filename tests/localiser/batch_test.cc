@@ -32,15 +32,7 @@ TEST(GnssAt, InterpolatesBetweenRecordsAndKnowsNothingLongAfter) {
   const auto at = [](double s) {
     return FromNanoseconds<SensorTime>(static_cast<std::int64_t>(s * 1e9));
   };
-  mapping::Experience experience{.id = ExperienceId("e"),
-                                 .folder = {},
-                                 .cameras = {},
-                                 .rigs = {},
-                                 .images = {},
-                                 .gnss = {},
-                                 .accelerometer = {},
-                                 .gyroscope = {},
-                                 .trajectory = {}};
+  mapping::Experience experience{.id = ExperienceId("e")};
   experience.gnss = {{at(10), "gps", {Angle::Degrees(10), Angle::Degrees(179.9), 5}, 1},
                      {at(12), "gps", {Angle::Degrees(11), Angle::Degrees(-179.9), 7}, 2}};
   const auto middle = GnssAt(experience, at(11.5));

@@ -20,15 +20,15 @@ namespace waymark::mapping {
 
 /// An image as the map remembers it: everything building needs, without its pixels.
 struct IndexedImage {
-  std::string name;
-  SensorTime time;
-  std::uint32_t camera;  ///< index into ExperienceIndex::cameras
-  std::string features;  ///< file stem below features/: hash of the image and of the options
-  std::optional<GeoPoint> gnss;  ///< of the camera, interpolated
+  std::string name = {};
+  SensorTime time = {};
+  std::uint32_t camera = 0;   ///< index into ExperienceIndex::cameras
+  std::string features = {};  ///< file stem below features/: hash of the image and of the options
+  std::optional<GeoPoint> gnss = {};  ///< of the camera, interpolated
   double gnss_sigma_m = 1;
-  std::optional<Eigen::Vector3d> up_in_camera;
+  std::optional<Eigen::Vector3d> up_in_camera = {};
   /// By the gyroscope: the next image's camera from this one's; of the same camera, by time.
-  std::optional<Eigen::Quaterniond> next_from_this;
+  std::optional<Eigen::Quaterniond> next_from_this = {};
 };
 
 /// Where a camera sits on its vehicle.
@@ -46,12 +46,12 @@ struct UnusableImage {
 /// MAP/experiences/<id>/index.json: an experience whose features are all in the map.
 struct ExperienceIndex {
   ExperienceId id;
-  std::string content;   ///< hash of every sensor table and image of the recording
-  std::string features;  ///< hash of the options of its features
-  std::vector<CameraSensor> cameras;
-  std::vector<std::optional<CameraMount>> mounts;  ///< by camera
-  std::vector<IndexedImage> images;                ///< by time
-  std::vector<UnusableImage> unusable;
+  std::string content = {};   ///< hash of every sensor table and image of the recording
+  std::string features = {};  ///< hash of the options of its features
+  std::vector<CameraSensor> cameras = {};
+  std::vector<std::optional<CameraMount>> mounts = {};  ///< by camera
+  std::vector<IndexedImage> images = {};                ///< by time
+  std::vector<UnusableImage> unusable = {};
 };
 
 /// Pure codecs. Decoding errors: Corrupt, Unsupported, with `name` as the object.

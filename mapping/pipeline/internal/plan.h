@@ -22,10 +22,10 @@ struct TaskImage {
 /// hash of the file.
 struct SubmapTask {
   ExperienceId experience;
-  GeoPoint origin;  ///< of the submap frame
-  PipelineOptions options;
-  std::map<ExperienceId, std::string> contents;  ///< hash of every experience that takes part
-  std::vector<TaskImage> images;
+  GeoPoint origin = {};  ///< of the submap frame
+  PipelineOptions options = {};
+  std::map<ExperienceId, std::string> contents = {};  ///< hash of every experience that takes part
+  std::vector<TaskImage> images = {};
 };
 
 /// What became of a task: <task>.decision.json beside it.
@@ -42,8 +42,8 @@ struct Decision {
 /// MAP/experiences/<id>/plan.json: the submaps of one experience.
 struct Plan {
   std::string options;  ///< hash of the options it was made with
-  std::vector<std::string> tasks;
-  std::vector<std::string> thinned_out;  ///< names of images in no task
+  std::vector<std::string> tasks = {};
+  std::vector<std::string> thinned_out = {};  ///< names of images in no task
 };
 
 /// Pure codecs. Decoding errors: Corrupt, Unsupported, with `name` as the object.

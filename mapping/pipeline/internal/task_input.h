@@ -24,15 +24,15 @@ struct GyroscopeChain {
 struct TaskInput {
   SubmapTask task;
   bool uses_gnss = true;  ///< false: the map is local, so fixes mean nothing in it
-  std::vector<IndexedImage> images;
-  std::vector<GyroscopeChain> chains;
-  std::vector<ImageFeatures> features;
-  std::vector<std::string> sequences;  ///< camera of an experience
-  std::vector<SfmCamera> cameras;
-  std::vector<std::uint32_t> camera_of_image;
-  std::vector<std::uint32_t> group_of_image;  ///< experience
-  std::vector<std::optional<CameraMount>>
-      mounts;  ///< by image; rigs of different experiences differ
+  std::vector<IndexedImage> images = {};
+  std::vector<GyroscopeChain> chains = {};
+  std::vector<ImageFeatures> features = {};
+  std::vector<std::string> sequences = {};  ///< camera of an experience
+  std::vector<SfmCamera> cameras = {};
+  std::vector<std::uint32_t> camera_of_image = {};
+  std::vector<std::uint32_t> group_of_image = {};  ///< experience
+  /// By image; rigs of different experiences differ.
+  std::vector<std::optional<CameraMount>> mounts = {};
 };
 
 /// Errors: NotFound (task, experience, image or features are not in the map), Conflict (an

@@ -9,21 +9,7 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-TaskInput EmptyInput() {
-  return {.task = {.experience = ExperienceId("drive"),
-                   .origin = {},
-                   .options = {},
-                   .contents = {},
-                   .images = {}},
-          .images = {},
-          .chains = {},
-          .features = {},
-          .sequences = {},
-          .cameras = {},
-          .camera_of_image = {},
-          .group_of_image = {},
-          .mounts = {}};
-}
+TaskInput EmptyInput() { return {.task = {.experience = ExperienceId("drive")}}; }
 
 /// Adds an image of a camera that sits `aside_m` to the right of the rig.
 void AddImage(TaskInput& input, const std::string& camera, int milliseconds, double aside_m) {
