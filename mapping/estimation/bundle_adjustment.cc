@@ -17,30 +17,6 @@ namespace {
 using internal::kPoseSize;
 constexpr std::size_t kMaxIntrinsics = 8;
 
-Result<void> CheckIndices(const BundleProblem& problem) {
-  for (const BundlePose& pose : problem.poses) {
-    if (pose.camera >= problem.cameras.size()) {
-      return MakeError(ErrorCode::kInvalidArgument, "bundle: pose with camera {} of {}",
-                       pose.camera, problem.cameras.size());
-    }
-  }
-  for (const BundleObservation& observation : problem.observations) {
-    if (observation.pose >= problem.poses.size() ||
-        observation.point >= problem.points_in_world.size()) {
-      return MakeError(ErrorCode::kInvalidArgument,
-                       "bundle: observation of point {} of {} by pose {} of {}", observation.point,
-                       problem.points_in_world.size(), observation.pose, problem.poses.size());
-    }
-  }
-  for (const BundleRigLink& link : problem.rig_links) {
-    if (std::max({link.pose, link.before, link.after}) >= problem.poses.size()) {
-      return MakeError(ErrorCode::kInvalidArgument, "bundle: rig link ({}, {}, {}) of {} poses",
-                       link.pose, link.before, link.after, problem.poses.size());
-    }
-  }
-  return {};
-}
-
 // One adjustment: the parameter arrays, the Ceres problem over them, and the way back.
 class Adjustment {
  public:
@@ -253,7 +229,7 @@ class Adjustment {
 }  // namespace
 
 Result<BundleSummary> AdjustBundle(BundleProblem& problem, const BundleOptions& options) {
-  WAYMARK_TRY(CheckIndices(problem));
+  WAYMARK_TRY(problem.Validate());
   if (problem.observations.empty()) return BundleSummary{.converged = true};
   Adjustment adjustment(problem, options);
   const BundleSummary summary = adjustment.Solve();

@@ -57,6 +57,9 @@ struct BundleProblem {
   std::vector<Eigen::Vector3d> points_in_world;
   std::vector<BundleObservation> observations;
   std::vector<BundleRigLink> rig_links;
+
+  /// Errors: InvalidArgument for an index that names nothing.
+  Result<void> Validate() const;
 };
 
 enum class ObservationLoss { kSquared, kHuber, kCauchy };

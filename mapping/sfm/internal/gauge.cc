@@ -8,6 +8,7 @@
 #include "mapping/base/log.h"
 #include "mapping/base/median.h"
 #include "mapping/estimation/geo_alignment.h"
+#include "mapping/estimation/up_direction.h"
 #include "mapping/sfm/internal/rig_scale.h"
 
 namespace waymark::mapping::internal {
