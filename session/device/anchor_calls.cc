@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// The application's half of a device session: anchors.
+#include <random>
+
+#include "session/device/internal/live_session.h"
+
+namespace waymark::session::internal {
+namespace {
+
+Uuid MakeUuid() {
+  std::random_device device;
+  const auto bits = [&device] { return std::uint64_t{device()} << 32 | device(); };
+  return UuidFromBits(bits(), bits());
+}
+
+Result<void> CheckContent(const std::string& kind, const std::string& payload) {
+  if (kind.size() > kMaxKindBytes) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "anchor kind: expected at most {} bytes, found {}", kMaxKindBytes,
+                     kind.size());
+  }
+  if (payload.size() > kMaxPayloadBytes) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "anchor payload: expected at most {} bytes, found {}", kMaxPayloadBytes,
+                     payload.size());
+  }
+  return {};
+}
+
+Error ToError(const CommandReply& reply) {
+  const auto code = [&] {
+    switch (reply.outcome) {
+      case CommandOutcome::kConflict:
+        return ErrorCode::kConflict;
+      case CommandOutcome::kNotFound:
+        return ErrorCode::kNotFound;
+      case CommandOutcome::kInvalid:
+        return ErrorCode::kInvalidArgument;
+      case CommandOutcome::kApplied:
+      case CommandOutcome::kUnavailable:
+        break;
+    }
+    return ErrorCode::kUnavailable;
+  };
+  return Error{code(), reply.reason};
+}
+
+}  // namespace
+
+Result<CommandReply> LiveSession::Perform(AnchorCommand command) {
+  command.request = MakeUuid();
+  std::unique_lock lock(mutex_);
+  commands_.Add(command, std::chrono::steady_clock::now());
+  inbox_.Push(WakeUp{});
+  changed_.wait_for(lock, options_.request_timeout,
+                    [&] { return has_left_ || commands_.FindReply(command.request) != nullptr; });
+  std::optional<CommandReply> reply;
+  if (const auto* found = commands_.FindReply(command.request)) reply = *found;
+  const CommandDesk::Farewell farewell = commands_.Remove(command.request);
+  if (!reply) {
+    const std::string why = farewell.last_refusal.empty() ? "" : ": " + farewell.last_refusal;
+    return MakeError(ErrorCode::kUnavailable, "{}: no answer about anchor {} within {} s{}",
+                     ServerName(), command.anchor.text(), options_.request_timeout.count(), why);
+  }
+  // It was gone when the repetition came: the first one did it.
+  const bool is_own_deletion = command.operation == AnchorOperation::kDelete &&
+                               reply->outcome == CommandOutcome::kNotFound && farewell.sent > 1;
+  if (is_own_deletion) reply->outcome = CommandOutcome::kApplied;
+  if (reply->outcome != CommandOutcome::kApplied) return ToError(*reply);
+  return *std::move(reply);
+}
+
+Result<SharedAnchor> LiveSession::PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
+                                              const std::string& kind, const std::string& payload) {
+  WAYMARK_TRY(CheckContent(kind, payload));
+  AnchorCommand command{.operation = AnchorOperation::kCreate,
+                        .anchor = AnchorId(FormatUuid(MakeUuid())),
+                        .kind = kind,
+                        .payload = payload};
+  {
+    const std::lock_guard lock(mutex_);
+    const DevicePose pose = CurrentPose();
+    if (!pose.map_from_device) {
+      return MakeError(ErrorCode::kUnavailable,
+                       "anchor: this device has not been localised yet, so it has no place");
+    }
+    command.map_from_anchor = *pose.map_from_device * device_from_anchor;
+    command.epoch = pose.epoch;
+    command.seen_in = tracker_.SeenIn();
+  }
+  WAYMARK_TRY_ASSIGN(const CommandReply reply, Perform(command));
+  if (reply.current) return ToShared(*reply.current);
+  return MakeError(ErrorCode::kNotFound, "anchor {}: was placed and deleted since",
+                   command.anchor.text());
+}
+
+Result<SharedAnchor> LiveSession::MoveAnchor(const SharedAnchor& anchor,
+                                             const Transform<Map, Anchor>& map_from_anchor) {
+  AnchorCommand command{.operation = AnchorOperation::kMove,
+                        .anchor = anchor.id,
+                        .expected_revision = anchor.revision,
+                        .epoch = anchor.epoch,
+                        .map_from_anchor = map_from_anchor};
+  {
+    const std::lock_guard lock(mutex_);
+    command.seen_in = tracker_.SeenIn();
+  }
+  WAYMARK_TRY_ASSIGN(const CommandReply reply, Perform(command));
+  if (reply.current) return ToShared(*reply.current);
+  return MakeError(ErrorCode::kNotFound, "anchor {}: was moved and deleted since",
+                   anchor.id.text());
+}
+
+Result<void> LiveSession::DeleteAnchor(const SharedAnchor& anchor) {
+  WAYMARK_TRY_ASSIGN(const CommandReply reply, Perform({.operation = AnchorOperation::kDelete,
+                                                        .anchor = anchor.id,
+                                                        .expected_revision = anchor.revision,
+                                                        .epoch = anchor.epoch}));
+  const std::lock_guard lock(mutex_);
+  view_.OnGone(anchor.id);
+  return {};
+}
+
+std::vector<SharedAnchor> LiveSession::Anchors() const {
+  const std::lock_guard lock(mutex_);
+  return view_.Anchors();
+}
+
+bool LiveSession::HasSnapshot() const {
+  const std::lock_guard lock(mutex_);
+  return view_.HasSnapshot();
+}
+
+}  // namespace waymark::session::internal

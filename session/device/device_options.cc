@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/device/device_session.h"
+#include "session/state/messages.h"
+
+namespace waymark::session {
+
+Result<void> CorrectionOptions::Validate() const {
+  if (max_speed_mps > 0 && max_turn_per_s.radians() > 0 && max_offset_m > 0) return {};
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "correction: expected speed, turn and offset above 0, found {}, {} rad and {}",
+                   max_speed_mps, max_turn_per_s.radians(), max_offset_m);
+}
+
+Result<void> DeviceOptions::Validate() const {
+  if (jpeg_quality < 30 || jpeg_quality > 100) {
+    return MakeError(ErrorCode::kInvalidArgument, "JPEG quality: expected [30, 100], found {}",
+                     jpeg_quality);
+  }
+  if (!(keyframe_interval.count() >= 0) || !(request_timeout.count() > 0)) {
+    return MakeError(
+        ErrorCode::kInvalidArgument,
+        "keyframe interval and request timeout: expected >= 0 and > 0, found {} and {}",
+        keyframe_interval.count(), request_timeout.count());
+  }
+  if (name.size() > kMaxNameBytes) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "device name: expected at most {} bytes, found {}", kMaxNameBytes,
+                     name.size());
+  }
+  WAYMARK_TRY(correction.Validate());
+  return alignment.Validate();
+}
+
+}  // namespace waymark::session
