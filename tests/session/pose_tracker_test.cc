@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/device/pose_tracker.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/random_geometry.h"
+
+namespace waymark::session {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using testing::ElementsAre;
+
+TEST(PoseTracker, CarriesCovarianceAlongTheLever) {
+  support::RandomGeometry random(8);
+  const Rigid3 b_from_a = random.Rigid(), a_from_c = random.Rigid();
+  const Eigen::Vector3d lever_in_b = b_from_a.rotation() * a_from_c.translation();
+  // Against differences: column i of the factor is the response to a step in delta i.
+  constexpr double kStep = 1e-6;
+  Eigen::Matrix<double, 6, 6> response;
+  for (int i = 0; i < 6; ++i) {
+    Eigen::Matrix<double, 6, 1> delta = Eigen::Matrix<double, 6, 1>::Zero();
+    delta(i) = kStep;
+    response.col(i) = Difference(b_from_a * a_from_c, Perturb(b_from_a, delta) * a_from_c) / kStep;
+  }
+  const Eigen::Matrix<double, 6, 6> factor = Eigen::Matrix<double, 6, 6>::Random();
+  const Eigen::Matrix<double, 6, 6> covariance = factor * factor.transpose();
+  EXPECT_LT((CarryCovariance(covariance, lever_in_b) - response * covariance * response.transpose())
+                .norm(),
+            1e-3);
+}
+
+TEST(PoseTracker, AFixPlacesTheOdometryInTheMap) {
+  support::RandomGeometry random(9);
+  PoseTracker tracker({}, {});
+  const Transform<Map, Vo> map_from_vo(
+      Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())), {4, 5, 6});
+  const Transform<Device, Camera> device_from_camera(random.Rigid());
+  const Transform<Vo, Device> then(Rigid3(Eigen::Quaterniond::Identity(), {1, 0, 0}));
+  const Transform<Vo, Device> now(random.Rigid());
+  EXPECT_FALSE(tracker.Pose(1).map_from_device);
+  tracker.AddFix({.request = {},
+                  .time = DeviceTime{seconds(1)},
+                  .device_from_camera = device_from_camera,
+                  .vo_from_device = then},
+                 {.map_from_camera = map_from_vo * then * device_from_camera,
+                  .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+                  .submap = SubmapId("s"),
+                  .submap_from_camera = {},
+                  .inliers = 50,
+                  .rms_px = 1});
+  EXPECT_FALSE(tracker.Pose(1).map_from_device) << "no odometry yet";
+  tracker.PushOdometry(now, DeviceTime{seconds(2)});
+  ASSERT_TRUE(tracker.Pose(1).map_from_device);
+  EXPECT_LT(
+      Difference(tracker.Pose(1).map_from_device->rigid(), (map_from_vo * now).rigid()).norm(),
+      1e-6);
+  EXPECT_THAT(tracker.SeenIn(), ElementsAre(SubmapId("s")));
+  tracker.Reset();
+  EXPECT_FALSE(tracker.Pose(1).map_from_device);
+}
+
+// A first fix places the device at once; when a better estimate differs, the shown pose walks
+// there.
+TEST(PoseTracker, CorrectionsNeverJump) {
+  constexpr double kStep_s = 0.1;
+  PoseTracker tracker({.half_life = std::chrono::duration<double>(0.01)}, {.max_speed_mps = 0.5});
+  const auto fix = [&](double time_s, double x) {
+    tracker.AddFix({.request = {},
+                    .time = DeviceTime{milliseconds(static_cast<int>(1e3 * time_s))},
+                    .device_from_camera = {},
+                    .vo_from_device = {}},
+                   {.map_from_camera = {Eigen::Quaterniond::Identity(), {x, 0, 0}},
+                    .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+                    .submap = SubmapId("s"),
+                    .submap_from_camera = {},
+                    .inliers = 50,
+                    .rms_px = 1});
+  };
+  double time_s = 1;
+  const auto live = [&] {
+    time_s += kStep_s;
+    tracker.PushOdometry({}, DeviceTime{milliseconds(static_cast<int>(1e3 * time_s + 0.5))});
+    return tracker.Pose(1).map_from_device->translation().x();
+  };
+  fix(1, 10);
+  double shown = live();
+  EXPECT_NEAR(shown, 10, 0.01);
+  for (int i = 0; i < 4; ++i) fix(time_s + 0.001 * i, 11);
+  const double before = tracker.Pose(1).covariance(0, 0);
+  for (int i = 0; i < 40; ++i) {
+    const double next = live();
+    EXPECT_LE(std::abs(next - shown), 0.5 * kStep_s + 1e-9);
+    shown = next;
+  }
+  EXPECT_NEAR(shown, 11, 0.05);
+  EXPECT_LT(tracker.Pose(1).covariance(0, 0), before) << "what was still to come was uncertainty";
+}
+
+}  // namespace
+}  // namespace waymark::session
