@@ -10,14 +10,13 @@
 
 #include "localiser/internal/candidate.h"
 #include "localiser/internal/open_submap.h"
-#include "localiser/internal/stopwatch.h"
+#include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser {
 namespace {
 
 using internal::Candidate;
 using internal::OpenSubmap;
-using internal::Stopwatch;
 using mapping::GrayImage;
 using mapping::ImageFeatures;
 
@@ -140,7 +139,7 @@ Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
   }
   const Stopwatch watch;
   const auto extracted = ExtractFeatures(std::get<GrayImage>(request.image), options.features);
-  answer.times.features_ms = watch.ElapsedMs();
+  answer.times.features_ms = 1e3 * watch.ElapsedS();
   if (!extracted) {
     answer.status = LocalisationStatus::kInvalidRequest;
     answer.reason = ToString(extracted.error());
@@ -229,7 +228,7 @@ std::size_t Localiser::submap_count() const { return impl_->submaps.size(); }
 Localisation Localiser::Localise(const LocalisationRequest& request) const {
   const Stopwatch watch;
   Localisation answer = impl_->Answer(request);
-  answer.times.total_ms = watch.ElapsedMs();
+  answer.times.total_ms = 1e3 * watch.ElapsedS();
   return answer;
 }
 

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "localiser/internal/pose_acceptance.h"
-#include "localiser/internal/stopwatch.h"
 #include "mapping/base/median.h"
+#include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -48,12 +48,12 @@ SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
   const Stopwatch search_watch;
   const std::vector<LandmarkMatch> matches =
       KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors));
-  const double search_ms = search_watch.ElapsedMs();
+  const double search_ms = 1e3 * search_watch.ElapsedS();
   const Stopwatch pose_watch;
   SubmapAnswer answer = EstimatePose(features, camera, matches);
   answer.matches = matches.size();
   answer.search_ms = search_ms;
-  answer.pose_ms = pose_watch.ElapsedMs();
+  answer.pose_ms = 1e3 * pose_watch.ElapsedS();
   return answer;
 }
 

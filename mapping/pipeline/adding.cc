@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mapping/base/content_hash.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/experience/kapture.h"
 #include "mapping/pipeline/internal/building.h"
 #include "mapping/pipeline/internal/index_times.h"
@@ -14,7 +15,6 @@
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 #include "mapping/pipeline/internal/releasing.h"
-#include "mapping/pipeline/internal/stopwatch.h"
 #include "mapping/pipeline/pipeline.h"
 
 namespace waymark::mapping {

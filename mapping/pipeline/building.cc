@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "mapping/base/file.h"
+#include "mapping/base/stopwatch.h"
 #include "mapping/io/submap_file.h"
 #include "mapping/pipeline/internal/rig_links.h"
-#include "mapping/pipeline/internal/stopwatch.h"
 #include "mapping/pipeline/internal/task_input.h"
 #include "mapping/submap/prune.h"
 

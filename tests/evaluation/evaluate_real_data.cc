@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
 
+#include "mapping/base/stopwatch.h"
 #include "tests/evaluation/running.h"
 #include "tests/evaluation/scenarios.h"
 
@@ -23,7 +23,7 @@ struct Arguments {
 
 // True when the scenario kept its promise.
 bool RunAndReport(const Scenario& scenario, const Workplace& place) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::error_code ignored;
   Finding finding;
   if (!std::filesystem::is_directory(place.data / scenario.data, ignored)) {
@@ -33,12 +33,11 @@ bool RunAndReport(const Scenario& scenario, const Workplace& place) {
   } else {
     finding = {"failed: " + ToString(found.error()), "to run", false};
   }
-  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
   fmt::print("{:36} {:62} {:28} {:5} {:7.1f}\n", scenario.name, finding.measured, finding.target,
              finding.target.empty() ? ""
              : finding.held         ? "held"
                                     : "MISSED",
-             seconds.count());
+             watch.ElapsedS());
   std::fflush(stdout);
   return finding.held;
 }

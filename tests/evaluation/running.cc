@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
@@ -17,6 +16,7 @@
 #include "mapping/base/check.h"
 #include "mapping/base/file.h"
 #include "mapping/base/log.h"
+#include "mapping/base/stopwatch.h"
 
 extern char** environ;
 
@@ -90,15 +90,15 @@ Usage& Usage::operator+=(const Usage& other) {
 
 Result<Usage> RunProgram(const fs::path& program, const std::vector<std::string>& arguments,
                          const fs::path& log) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   WAYMARK_TRY_ASSIGN(const pid_t child, Start(program, arguments, log));
   int status = 0;
   rusage used{};
   while (wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
   }
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  const double wall_s = watch.ElapsedS();
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) {
-    return Usage{wall.count(), Seconds(used.ru_utime) + Seconds(used.ru_stime),
+    return Usage{wall_s, Seconds(used.ru_utime) + Seconds(used.ru_stime),
                  static_cast<double>(used.ru_maxrss) / 1024};
   }
   const std::string how = WIFEXITED(status) ? fmt::format("status {}", WEXITSTATUS(status))

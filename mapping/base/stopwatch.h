@@ -5,11 +5,14 @@
 
 #include "mapping/base/time.h"
 
-namespace waymark::mapping {
+namespace waymark {
 
-/// Seconds since it was made or last asked. Thread-compatible.
+/// The time since it was made or its last lap ended. Thread-compatible.
 class Stopwatch {
  public:
+  double ElapsedS() const { return Seconds(Clock::now() - begun_); }
+
+  /// Ends a lap and begins the next; returns its seconds.
   double Lap() {
     const auto now = Clock::now();
     const double seconds = Seconds(now - begun_);
@@ -23,4 +26,4 @@ class Stopwatch {
   Clock::time_point begun_ = Clock::now();
 };
 
-}  // namespace waymark::mapping
+}  // namespace waymark
