@@ -16,6 +16,7 @@ namespace waymark {
 namespace {
 
 using internal::Descriptor;
+using internal::SizeOfRegularFile;
 using internal::SystemError;
 
 Error LibraryError(const std::filesystem::path& path, std::string_view action,
@@ -39,12 +40,8 @@ template <typename Container>
 Result<Container> LoadInto(const std::filesystem::path& path) {
   const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!descriptor.valid()) return SystemError(path, "open");
-  struct stat status {};
-  if (::fstat(descriptor.get(), &status) != 0) return SystemError(path, "read");
-  if (!S_ISREG(status.st_mode)) {
-    return MakeError(ErrorCode::kInvalidArgument, "{}: expected a regular file", path.string());
-  }
-  Container content(static_cast<std::size_t>(status.st_size), {});
+  WAYMARK_TRY_ASSIGN(const std::size_t size, SizeOfRegularFile(descriptor, path));
+  Container content(size, {});
   std::size_t done = 0;
   while (done < content.size()) {
     const ssize_t count = ::read(descriptor.get(), content.data() + done, content.size() - done);

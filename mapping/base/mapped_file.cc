@@ -3,7 +3,6 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 
 #include <utility>
 
@@ -12,17 +11,13 @@
 namespace waymark {
 
 using internal::Descriptor;
+using internal::SizeOfRegularFile;
 using internal::SystemError;
 
 Result<MappedFile> MappedFile::Open(const std::filesystem::path& path) {
   const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (!descriptor.valid()) return SystemError(path, "open");
-  struct stat status {};
-  if (::fstat(descriptor.get(), &status) != 0) return SystemError(path, "read");
-  if (!S_ISREG(status.st_mode)) {
-    return MakeError(ErrorCode::kInvalidArgument, "{}: expected a regular file", path.string());
-  }
-  const auto size = static_cast<std::size_t>(status.st_size);
+  WAYMARK_TRY_ASSIGN(const std::size_t size, SizeOfRegularFile(descriptor, path));
   if (size == 0) return MappedFile(nullptr, 0);
   void* data = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor.get(), 0);
   if (data == MAP_FAILED) return SystemError(path, "map into memory");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,5 +35,15 @@ class Descriptor {
  private:
   int value_;
 };
+
+inline Result<std::size_t> SizeOfRegularFile(const Descriptor& descriptor,
+                                             const std::filesystem::path& path) {
+  struct stat status {};
+  if (::fstat(descriptor.get(), &status) != 0) return SystemError(path, "read");
+  if (!S_ISREG(status.st_mode)) {
+    return MakeError(ErrorCode::kInvalidArgument, "{}: expected a regular file", path.string());
+  }
+  return static_cast<std::size_t>(status.st_size);
+}
 
 }  // namespace waymark::internal
