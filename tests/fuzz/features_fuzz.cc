@@ -43,11 +43,6 @@ std::vector<Bytes> Seeds() {
   return seeds;
 }
 
-void TryOne(std::span<const std::uint8_t> bytes) {
-  Decode(bytes);
-  Bytes restamped(bytes.begin(), bytes.end());
-  Restamp(restamped);
-  Decode(restamped);
-}
+void TryOne(std::span<const std::uint8_t> bytes) { TryAlsoRestamped(bytes, Decode, Restamp); }
 
 }  // namespace waymark::fuzz

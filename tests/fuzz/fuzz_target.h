@@ -16,6 +16,17 @@ inline std::string_view ToText(std::span<const std::uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
+/// Decodes the bytes as they are, and once more with right checksums, so that damage reaches the
+/// rules behind them.
+inline void TryAlsoRestamped(std::span<const std::uint8_t> bytes,
+                             void (*decode)(std::span<const std::uint8_t>),
+                             void (*restamp)(Bytes&)) {
+  decode(bytes);
+  Bytes restamped(bytes.begin(), bytes.end());
+  restamp(restamped);
+  decode(restamped);
+}
+
 // A fuzz target is one source that defines these two; the drivers beside it call them.
 
 /// Valid inputs to start from.
