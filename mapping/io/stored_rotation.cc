@@ -38,7 +38,7 @@ Eigen::Quaterniond StoredRotation(const Eigen::Quaterniond& rotation) {
   for (int i = 0; i < kMaxIterations && !IsSettled(stored); ++i) stored = stored.normalized();
   // One in a hundred alternates between two values; one beside them has norm 1 as computed.
   for (int code = 0; code < kNeighbours; ++code) {
-    const Eigen::Quaterniond neighbour = Neighbour(stored, code);
+    Eigen::Quaterniond neighbour = Neighbour(stored, code);
     if (IsSettled(neighbour)) return neighbour;
   }
   return stored;

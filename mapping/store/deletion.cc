@@ -54,9 +54,10 @@ Result<void> MapDirectory::DeleteExperience(const ExperienceId& id) const {
   const fs::path folder = ExperienceFolder(id);
   const fs::path doomed = folder.parent_path() / (std::string(kDeletedPrefix) + id.text());
   WAYMARK_TRY(DeleteFolder(doomed));  // of an earlier deletion that was cut short
-  const auto renamed = RenameFolder(folder, doomed);
-  if (!renamed && renamed.error().code == ErrorCode::kNotFound) return {};
-  WAYMARK_TRY(renamed);
+  if (const auto renamed = RenameFolder(folder, doomed); !renamed) {
+    if (renamed.error().code == ErrorCode::kNotFound) return {};
+    return renamed.error();
+  }
   return DeleteFolder(doomed);
 }
 

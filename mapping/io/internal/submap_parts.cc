@@ -144,7 +144,7 @@ Result<void> CheckLargeSections(const SubmapSections& sections, std::size_t imag
 }
 
 /// A rule broken in a file is damage, whatever the rule calls it.
-Result<void> AsCorrupt(Result<void> result, std::string_view name) {
+Result<void> AsCorrupt(const Result<void>& result, std::string_view name) {
   return result ? result : Corrupt(name, result.error().message);
 }
 
