@@ -38,6 +38,23 @@ std::string Quote(std::string_view text) {
   return quoted + (text.size() > 48 ? "...\"" : "\"");
 }
 
+bool IsUri(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  return text.size() <= kMaxUriBytes && colon != std::string_view::npos && colon > 0 &&
+         colon + 1 < text.size() && is_letter(text[0]) &&
+         std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(colon),
+                     [&](char c) {
+                       return is_letter(c) || (c >= '0' && c <= '9') || c == '+' || c == '-' ||
+                              c == '.';
+                     }) &&
+         std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+bool IsSha256(std::string_view text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
 template <typename... Args>
 Error Invalid(const AnchorRecord& record, fmt::format_string<Args...> format, Args&&... args) {
   return MakeError(ErrorCode::kInvalidArgument, "anchor {}: {}", Quote(record.id.text()),
@@ -64,6 +81,38 @@ Result<void> ValidatePose(const AnchorRecord& record, std::string_view field,
   const double norm = parent_from_child.rotation().norm();
   if (!(std::abs(norm - 1) < 1e-6)) {
     return Invalid(record, "{}: expected a unit quaternion, found norm {}", field, norm);
+  }
+  return {};
+}
+
+Result<void> ValidateLink(const AnchorRecord& record) {
+  if (!record.link) return {};
+  if (!record.payload.empty()) {
+    return Invalid(record, "payload: expected none beside a link, found {} bytes",
+                   record.payload.size());
+  }
+  if (!IsUri(record.link->uri)) {
+    return Invalid(record, "link: expected a URI of at most {} characters, found {}", kMaxUriBytes,
+                   Quote(record.link->uri));
+  }
+  if (!IsSha256(record.link->sha256)) {
+    return Invalid(record, "link: expected a SHA-256 of 64 hex digits, found {}",
+                   Quote(record.link->sha256));
+  }
+  return {};
+}
+
+Result<void> ValidateAccess(const AnchorRecord& record) {
+  if (record.visibility > AnchorVisibility::kPublic) {
+    return Invalid(record, "visibility: expected private, room or public, found {}",
+                   static_cast<int>(record.visibility));
+  }
+  if (record.editing > AnchorEditing::kOwner) {
+    return Invalid(record, "editing: expected everyone or owner, found {}",
+                   static_cast<int>(record.editing));
+  }
+  if (record.unsupported_since_epoch == std::uint64_t{0}) {
+    return Invalid(record, "unsupported since epoch: expected at least 1, found 0");
   }
   return {};
 }
@@ -103,6 +152,8 @@ Result<void> Validate(const AnchorRecord& record) {
     return Invalid(record, "payload: expected at most {} bytes, found {}", kMaxPayloadBytes,
                    record.payload.size());
   }
+  WAYMARK_TRY(ValidateLink(record));
+  WAYMARK_TRY(ValidateAccess(record));
   WAYMARK_TRY(ValidatePose(record, "map_from_anchor", record.map_from_anchor.rigid()));
   if (const auto place = record.place.Validate(); !place) {
     return Invalid(record, "place: {}", place.error().message);
@@ -127,7 +178,25 @@ std::string ContentFingerprint(const AnchorRecord& record) {
   content.revision = 0;
   content.created_utc_ms = 0;
   content.changed_utc_ms = 0;
-  return ContentHash(internal::EncodeState({.record = std::move(content), .creation = {}}));
+  content.expires_utc_ms.reset();
+  return ContentHash(internal::EncodeForFingerprint({.record = std::move(content)}));
+}
+
+bool MaySee(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
+  switch (record.visibility) {
+    case AnchorVisibility::kPublic:
+      return true;
+    case AnchorVisibility::kRoom:
+      return record.room == from_room;
+    case AnchorVisibility::kPrivate:
+      break;
+  }
+  return record.room == from_room && record.owner == device;
+}
+
+bool MayEdit(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
+  return record.room == from_room && MaySee(record, from_room, device) &&
+         (record.editing == AnchorEditing::kEveryone || record.owner == device);
 }
 
 bool IsText(std::string_view bytes) {

@@ -13,6 +13,7 @@ namespace waymark::content {
 inline constexpr std::size_t kMaxNameBytes = 255;  ///< room, owner, kind
 inline constexpr std::size_t kMaxSubmapIdBytes = 64;
 inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
+inline constexpr std::size_t kMaxUriBytes = 2048;
 inline constexpr std::size_t kMaxAttachments = 3;
 
 /// Whether every store accepts the record. Errors: InvalidArgument naming the anchor, the field,
@@ -24,5 +25,9 @@ std::string ContentFingerprint(const AnchorRecord& record);
 
 /// Well-formed UTF-8 (no surrogates, nothing overlong) without NUL.
 bool IsText(std::string_view bytes);
+
+/// Whether a device in a room may see an anchor, or change and delete it.
+bool MaySee(const AnchorRecord& record, const RoomId& from_room, std::string_view device);
+bool MayEdit(const AnchorRecord& record, const RoomId& from_room, std::string_view device);
 
 }  // namespace waymark::content

@@ -6,28 +6,13 @@
 #include <string_view>
 
 #include "content_store/anchor_rules.h"
+#include "content_store/internal/base64.h"
+#include "content_store/internal/record_names.h"
 
 namespace waymark::content {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string Base64(std::string_view bytes) {
-  constexpr std::string_view kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::string_view three = bytes.substr(i, 3);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      bits = bits << 8 | (k < three.size() ? static_cast<std::uint8_t>(three[k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= three.size() ? kDigits[bits >> (18 - 6 * k) & 63u] : '=';
-    }
-  }
-  return text;
-}
 
 Json ToJson(const Rigid3& pose) {
   const Eigen::Vector3d& t = pose.translation();
@@ -50,10 +35,18 @@ Json ToFeature(const AnchorRecord& record) {
         {{"submap", attachment.submap.text()},
          {"submap_from_anchor", ToJson(attachment.submap_from_anchor.rigid())}});
   }
-  if (IsText(record.payload)) {
+  properties["visibility"] = internal::NameOf(record.visibility);
+  properties["editing"] = internal::NameOf(record.editing);
+  if (record.expires_utc_ms) properties["expires_utc_ms"] = *record.expires_utc_ms;
+  if (record.unsupported_since_epoch) {
+    properties["unsupported_since_epoch"] = *record.unsupported_since_epoch;
+  }
+  if (record.link) {
+    properties["link"] = {{"uri", record.link->uri}, {"sha256", record.link->sha256}};
+  } else if (IsText(record.payload)) {
     properties["payload"] = record.payload;
   } else {
-    properties["payload_base64"] = Base64(record.payload);
+    properties["payload_base64"] = internal::EncodeBase64(record.payload);
   }
   return {{"type", "Feature"},
           {"id", record.id.text()},
@@ -77,5 +70,7 @@ std::string EncodeGeoJson(const RoomSnapshot& snapshot) {
 }
 
 std::string EncodeGeoJson(const AnchorRecord& record) { return ToFeature(record).dump(2); }
+
+std::string EncodeGeoJsonLine(const AnchorRecord& record) { return ToFeature(record).dump(); }
 
 }  // namespace waymark::content

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <istream>
 #include <string>
 
 #include "content_store/anchor_store.h"
@@ -14,5 +16,13 @@ std::string EncodeGeoJson(const RoomSnapshot& snapshot);
 
 /// One anchor as a GeoJSON Feature.
 std::string EncodeGeoJson(const AnchorRecord& record);
+/// The same on one line.
+std::string EncodeGeoJsonLine(const AnchorRecord& record);
+
+/// Reads what EncodeGeoJson wrote, a FeatureCollection of any length, and hands over its anchors
+/// one by one; no more than one is held. `take` may end the reading with an error. Numbers come
+/// back to the last bit but one. Errors: InvalidArgument naming the feature and the field, and what
+/// `take` returned.
+Result<void> DecodeGeoJson(std::istream& in, const std::function<Result<void>(AnchorRecord)>& take);
 
 }  // namespace waymark::content

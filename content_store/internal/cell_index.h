@@ -22,9 +22,13 @@ std::int64_t CellOf(const CellPlace& place);
 CellPlace CentreOf(std::int64_t cell);
 inline constexpr double kCellError_m = 0.02;
 
-/// Inclusive ranges that together hold the cell of every place within a ground distance on WGS84,
-/// and of some farther ones.
-std::vector<std::pair<std::int64_t, std::int64_t>> CoverCircle(const CellPlace& centre,
-                                                               double radius_m);
+using CellRanges = std::vector<std::pair<std::int64_t, std::int64_t>>;
+
+/// Inclusive ranges, ascending, that together hold the cell of every place within a ground distance
+/// on WGS84, and of some farther ones.
+CellRanges CoverCircle(const CellPlace& centre, double radius_m);
+
+/// The same for a box from its south-western corner eastwards to its north-eastern one.
+CellRanges CoverBox(const CellPlace& south_west, const CellPlace& north_east);
 
 }  // namespace waymark::content::internal

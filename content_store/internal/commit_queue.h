@@ -5,11 +5,10 @@
 #include <deque>
 #include <functional>
 #include <mutex>
-#include <optional>
+#include <span>
 #include <vector>
 
-#include "content_store/anchor_store.h"
-#include "mapping/base/result.h"
+#include "content_store/internal/write_batch.h"
 
 namespace waymark::content::internal {
 
@@ -18,28 +17,31 @@ namespace waymark::content::internal {
 /// kept for it. Thread-safe.
 class CommitQueue {
  public:
-  /// One write, run inside a transaction. If it fails by returning an error it has written nothing;
-  /// if it throws, the whole batch is undone.
-  using Write = std::function<Result<WriteOutcome>()>;
-  /// Runs the writes in order in one transaction and returns their outcomes, committed.
-  using Commit = std::function<std::vector<Result<WriteOutcome>>(const std::vector<const Write*>&)>;
+  /// Applies the requests in order in one transaction and returns their outcomes, committed.
+  using Commit =
+      std::function<std::vector<Result<WriteOutcome>>(const std::vector<const WriteRequest*>&)>;
 
   explicit CommitQueue(Commit commit) : commit_(std::move(commit)) {}
 
-  /// Returns when the write is committed, or has failed. Writes of one thread keep their order.
-  Result<WriteOutcome> Run(const Write& write);
+  /// Returns when the requests are committed, or have failed. They are one transaction, and those
+  /// of one thread keep their order.
+  std::vector<Result<WriteOutcome>> Run(std::span<const WriteRequest> requests);
 
  private:
-  struct Waiting {
-    const Write* write;
-    std::optional<Result<WriteOutcome>> outcome;
+  struct Job {
+    std::span<const WriteRequest> requests;
+    std::vector<Result<WriteOutcome>> outcomes{};
+    bool is_done = false;
+    std::condition_variable changed{};
   };
+
+  std::vector<Job*> TakeBatch();
+  void CommitBatch(const std::vector<Job*>& batch);
 
   const Commit commit_;  // called by one thread at a time
   std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<Waiting*> waiting_;  // guarded by mutex_
-  bool is_committing_ = false;    // guarded by mutex_
+  std::deque<Job*> waiting_;    // guarded by mutex_; the front one commits next
+  bool is_committing_ = false;  // guarded by mutex_
 };
 
 }  // namespace waymark::content::internal

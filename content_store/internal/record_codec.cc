@@ -10,7 +10,8 @@
 namespace waymark::content::internal {
 namespace {
 
-constexpr std::uint8_t kStateFormat = 1;
+constexpr std::uint8_t kFirstFormat = 1;
+constexpr std::uint8_t kStateFormat = 2;  // has the extension
 enum StateKind : std::uint8_t { kLive = 0, kDeleted = 1 };
 
 /// Appends little-endian numbers and length-prefixed texts.
@@ -111,11 +112,46 @@ void ReadContent(Reader& in, AnchorRecord& record) {
   record.payload = in.Text();
 }
 
-}  // namespace
+enum ExtensionBit : std::uint8_t { kHasLink = 1, kExpires = 2, kUnsupported = 4 };
+constexpr std::uint8_t kAllBits = kHasLink | kExpires | kUnsupported;
 
-std::string EncodeState(const AnchorState& state) {
+void WriteExtension(Writer& out, const AnchorRecord& record) {
+  out.Number(static_cast<std::uint8_t>(record.visibility));
+  out.Number(static_cast<std::uint8_t>(record.editing));
+  out.Number(static_cast<std::uint8_t>((record.link ? kHasLink : 0) |
+                                       (record.expires_utc_ms ? kExpires : 0) |
+                                       (record.unsupported_since_epoch ? kUnsupported : 0)));
+  if (record.link) {
+    out.Text(record.link->uri);
+    out.Text(record.link->sha256);
+  }
+  if (record.expires_utc_ms) out.Time(*record.expires_utc_ms);
+  if (record.unsupported_since_epoch) out.Number(*record.unsupported_since_epoch);
+}
+
+/// Returns whether all bits are known; Validate judges the values.
+bool ReadExtension(Reader& in, AnchorRecord& record) {
+  record.visibility = static_cast<AnchorVisibility>(in.Number<std::uint8_t>());
+  record.editing = static_cast<AnchorEditing>(in.Number<std::uint8_t>());
+  const auto bits = in.Number<std::uint8_t>();
+  if ((bits & kHasLink) != 0) {
+    record.link.emplace();
+    record.link->uri = in.Text();
+    record.link->sha256 = in.Text();
+  }
+  if ((bits & kExpires) != 0) record.expires_utc_ms = in.Time();
+  if ((bits & kUnsupported) != 0) record.unsupported_since_epoch = in.Number<std::uint64_t>();
+  return (bits & ~kAllBits) == 0;
+}
+
+bool FitsFirstFormat(const AnchorRecord& record) {
+  return !record.link && !record.expires_utc_ms && !record.unsupported_since_epoch &&
+         record.visibility == AnchorVisibility::kRoom && record.editing == AnchorEditing::kEveryone;
+}
+
+std::string Encode(const AnchorState& state, std::uint8_t format) {
   Writer out;
-  out.Number(kStateFormat);
+  out.Number(format);
   out.Number(static_cast<std::uint8_t>(state.is_deleted ? kDeleted : kLive));
   out.Number(state.record.revision);
   out.Text(state.record.room.text());
@@ -123,16 +159,25 @@ std::string EncodeState(const AnchorState& state) {
   if (!state.is_deleted) {
     out.Text(state.creation);
     WriteContent(out, state.record);
+    if (format > kFirstFormat) WriteExtension(out, state.record);
   }
   return std::move(out).Take();
+}
+
+}  // namespace
+
+std::string EncodeState(const AnchorState& state) { return Encode(state, kStateFormat); }
+
+std::string EncodeForFingerprint(const AnchorState& state) {
+  return Encode(state, FitsFirstFormat(state.record) ? kFirstFormat : kStateFormat);
 }
 
 Result<AnchorState> DecodeState(std::string_view bytes) {
   Reader in(bytes);
   const auto format = in.Number<std::uint8_t>();
-  if (format != kStateFormat) {
-    return MakeError(ErrorCode::kCorrupt, "state: expected format {}, found {}", kStateFormat,
-                     format);
+  if (format < kFirstFormat || format > kStateFormat) {
+    return MakeError(ErrorCode::kCorrupt, "state: expected format {} or {}, found {}", kFirstFormat,
+                     kStateFormat, format);
   }
   const auto kind = in.Number<std::uint8_t>();
   if (kind > kDeleted) return MakeError(ErrorCode::kCorrupt, "state: found kind {}", kind);
@@ -145,6 +190,9 @@ Result<AnchorState> DecodeState(std::string_view bytes) {
   if (!state.is_deleted) {
     state.creation = in.Text();
     ReadContent(in, state.record);
+    if (format > kFirstFormat && !ReadExtension(in, state.record)) {
+      return MakeError(ErrorCode::kCorrupt, "state: found unknown optional fields");
+    }
   }
   if (!in.at_end()) {
     return MakeError(ErrorCode::kCorrupt, "state: {} bytes are {}", bytes.size(),

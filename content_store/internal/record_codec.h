@@ -20,7 +20,12 @@ struct AnchorState {
 /// The bytes of FORMAT.md, "State". Pure; fields must be within the limits of anchor_rules.h.
 std::string EncodeState(const AnchorState& state);
 
-/// Errors: Corrupt for anything that EncodeState cannot have written.
+/// The bytes that ContentFingerprint hashes: those of format 1 as long as they can hold the record,
+/// so that a creation repeated across an upgrade is recognised.
+std::string EncodeForFingerprint(const AnchorState& state);
+
+/// Reads formats 1 and 2. Errors: Corrupt for anything that EncodeState of either cannot have
+/// written.
 Result<AnchorState> DecodeState(std::string_view bytes);
 
 }  // namespace waymark::content::internal

@@ -4,103 +4,80 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "content_store/anchor_store.h"
-#include "content_store/geo_json.h"
-#include "content_store/store_check.h"
+#include "content_store/tools/anchor_commands.h"
 
 namespace waymark::content {
 namespace {
 
-struct Arguments {
-  std::string store, room, id;
-};
+using Command = Result<int> (*)(const ToolArguments&);
 
-/// Text of strangers for a terminal: control characters would be obeyed.
-std::string Printable(std::string text) {
-  for (char& c : text) c = (c >= 0 && c < ' ') || c == 127 ? '?' : c;
-  return text;
+constexpr const char* kFooter =
+    "Examples:\n"
+    "  waymark-anchors anchors.db list                 rooms and how full they are\n"
+    "  waymark-anchors anchors.db list lobby           the anchors of one room\n"
+    "  waymark-anchors anchors.db show lobby ID        one anchor, all of it, as GeoJSON\n"
+    "  waymark-anchors anchors.db query lobby --circle 47.37,8.54,100 --nearest 5\n"
+    "  waymark-anchors anchors.db query --public --box 47.3,8.5,47.4,8.6\n"
+    "  waymark-anchors anchors.db export > all.geojson\n"
+    "  waymark-anchors postgresql://user@host/db import all.geojson\n"
+    "  waymark-anchors anchors.db check                after a crash, before a backup\n"
+    "  waymark-anchors anchors.db compact              gives back what superseded states take\n"
+    "Exit status: 0 done, 1 refused, failed, damaged or anchors kept (the reason is printed),\n"
+    "above 100 wrong usage.";
+
+/// One subcommand that chooses what runs.
+CLI::App* Add(CLI::App& app, Command& chosen, Command command, const char* name,
+              const char* description) {
+  CLI::App* const added = app.add_subcommand(name, description);
+  added->callback([&chosen, command] { chosen = command; });
+  return added;
 }
 
-Result<int> List(const Arguments& arguments) {
-  WAYMARK_TRY_ASSIGN(const auto store,
-                     OpenSqliteStore(arguments.store, {.mode = OpenMode::kExisting}));
-  if (arguments.room.empty()) {
-    WAYMARK_TRY_ASSIGN(const auto rooms, store->ListRooms());
-    fmt::print("{:>8}  {:>10}  room\n", "anchors", "revision");
-    for (const RoomSummary& room : rooms) {
-      fmt::print("{:8}  {:10}  {}\n", room.anchors, room.revision, Printable(room.room.text()));
-    }
-    return 0;
-  }
-  WAYMARK_TRY_ASSIGN(const auto snapshot, store->LoadRoom(RoomId(arguments.room)));
-  fmt::print("{:36}  {:>10}  {:>12}  {:>13}  kind\n", "id", "revision", "latitude", "longitude");
-  for (const AnchorRecord& anchor : snapshot.anchors) {
-    fmt::print("{:36}  {:10}  {:12.7f}  {:13.7f}  {}\n", anchor.id.text(), anchor.revision,
-               anchor.place.latitude.degrees(), anchor.place.longitude.degrees(),
-               Printable(anchor.kind));
-  }
-  return 0;
-}
+void AddCommands(CLI::App& app, ToolArguments& a, Command& chosen) {
+  Add(app, chosen, ListAnchors, "list", "Lists the rooms, or the anchors of one room")
+      ->add_option("ROOM", a.room, "a room; without it the rooms are listed");
+  auto* show = Add(app, chosen, ShowAnchor, "show", "Prints one anchor with all it has");
+  show->add_option("ROOM", a.room)->required();
+  show->add_option("ID", a.id, "the anchor's UUID, as list prints it")->required();
 
-Result<int> Show(const Arguments& arguments) {
-  WAYMARK_TRY_ASSIGN(const auto store,
-                     OpenSqliteStore(arguments.store, {.mode = OpenMode::kExisting}));
-  WAYMARK_TRY_ASSIGN(const auto anchor,
-                     store->Find(RoomId(arguments.room), AnchorId(arguments.id)));
-  if (!anchor) {
-    return MakeError(ErrorCode::kNotFound, "{}: no anchor {} in room {}", arguments.store,
-                     arguments.id, arguments.room);
-  }
-  fmt::print("{}\n", EncodeGeoJson(*anchor));
-  return 0;
-}
+  auto* query = Add(app, chosen, QueryAnchors, "query", "Lists anchors by place and time");
+  query->add_option("ROOM", a.room, "a room");
+  query->add_flag("--public", a.is_public, "instead of a room: public anchors of all rooms");
+  auto* circle = query->add_option("--circle", a.circle, "LATITUDE,LONGITUDE,RADIUS_M");
+  circle->expected(3)->delimiter(',');
+  query->add_option("--box", a.box, "SOUTH,WEST,NORTH,EAST in degrees")
+      ->expected(4)
+      ->delimiter(',')
+      ->excludes(circle);
+  query->add_option("--nearest", a.nearest, "only so many of a circle, nearest first");
+  query->add_option("--since", a.since_utc_ms, "changed then or later, UTC in milliseconds");
+  query->add_option("--until", a.until_utc_ms, "changed before, UTC in milliseconds");
 
-Result<int> Export(const Arguments& arguments) {
-  WAYMARK_TRY_ASSIGN(const auto store,
-                     OpenSqliteStore(arguments.store, {.mode = OpenMode::kExisting}));
-  WAYMARK_TRY_ASSIGN(const auto snapshot, store->LoadRoom(RoomId(arguments.room)));
-  fmt::print("{}\n", EncodeGeoJson(snapshot));
-  return 0;
-}
+  auto* import = Add(app, chosen, ImportAnchors, "import", "Creates the anchors of a GeoJSON");
+  import->add_option("FILE", a.file, "what export wrote; - or nothing: standard input");
+  import->add_option("--room", a.room, "put all into this room");
+  import->add_flag("--replace", a.replaces, "anchors that differ are replaced, not kept");
+  Add(app, chosen, ExportAnchors, "export", "Prints a room, or everything, as GeoJSON")
+      ->add_option("ROOM", a.room, "a room; without it all");
 
-Result<int> Check(const Arguments& arguments) {
-  WAYMARK_TRY_ASSIGN(const StoreCheck check, CheckSqliteStore(arguments.store));
-  fmt::print("revision {}: {} anchors, {} deleted, {} superseded states\n", check.revision,
-             check.anchors, check.deleted, check.superseded);
-  for (const std::string& problem : check.problems) fmt::print("damaged: {}\n", problem);
-  if (check.problems.empty()) fmt::print("sound\n");
-  return check.problems.empty() ? 0 : 1;
+  Add(app, chosen, CheckAnchors, "check", "Reads everything: structure, checksums, the log");
+  Add(app, chosen, CompactAnchors, "compact", "Removes superseded states")
+      ->add_option("--keep", a.keep_revisions, "leave so many latest revisions alone")
+      ->capture_default_str();
+  Add(app, chosen, MigrateAnchors, "migrate", "Upgrades a store that an earlier version wrote");
 }
 
 int Run(int argc, char** argv) {
   CLI::App app(
-      "Looks into an anchor store: the content that stays where phones put it.\n"
-      "Safe while waymark-serve writes to the same file; nothing here changes an anchor.");
-  app.footer(
-      "Examples:\n"
-      "  waymark-anchors anchors.db list                 rooms and how full they are\n"
-      "  waymark-anchors anchors.db list lobby           the anchors of one room\n"
-      "  waymark-anchors anchors.db show lobby ID        one anchor, all of it, as GeoJSON\n"
-      "  waymark-anchors anchors.db export lobby > lobby.geojson\n"
-      "  waymark-anchors anchors.db check                after a crash, before a backup\n"
-      "Exit status: 0 done, 1 refused, failed or damaged (the reason is printed),\nabove 100 wrong "
-      "usage.");
+      "Looks into an anchor store and tends it: the content that stays where phones put it.\n"
+      "Safe while waymark-serve uses the same store.");
+  app.footer(kFooter);
   app.require_subcommand(1);
-  Arguments arguments;
-  app.add_option("STORE", arguments.store, "the store's file, for example anchors.db")->required();
-  Result<int> (*command)(const Arguments&) = nullptr;
-  auto* list = app.add_subcommand("list", "Lists the rooms, or the anchors of one room");
-  list->add_option("ROOM", arguments.room, "a room; without it the rooms are listed");
-  list->callback([&] { command = List; });
-  auto* show = app.add_subcommand("show", "Prints one anchor with pose, attachments and payload");
-  show->add_option("ROOM", arguments.room)->required();
-  show->add_option("ID", arguments.id, "the anchor's UUID, as list prints it")->required();
-  show->callback([&] { command = Show; });
-  auto* geo = app.add_subcommand("export", "Prints a room as GeoJSON, for any map viewer");
-  geo->add_option("ROOM", arguments.room)->required();
-  geo->callback([&] { command = Export; });
-  auto* check = app.add_subcommand("check", "Reads everything: page structure, checksums, the log");
-  check->callback([&] { command = Check; });
+  ToolArguments arguments;
+  Command command = nullptr;
+  app.add_option("STORE", arguments.store, "a file, or postgresql://user@host/database")
+      ->required();
+  AddCommands(app, arguments, command);
   CLI11_PARSE(app, argc, argv);
   const auto status = command(arguments);
   if (status) return *status;

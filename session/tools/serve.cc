@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "content_store/anchor_store.h"
 #include "mapping/base/log.h"
@@ -17,14 +19,17 @@ namespace {
 
 struct Arguments {
   std::filesystem::path map;
-  std::filesystem::path store;
+  std::string store;
   bool only_owners = false;
   ServerOptions server;
 };
 
 void ParseArguments(CLI::App& app, Arguments& arguments) {
   app.add_option("--map", arguments.map, "Map folder with a deployed release")->required();
-  app.add_option("--store", arguments.store, "Anchor store; created if absent")->required();
+  app.add_option("--store", arguments.store,
+                 "Anchor store, created if absent: a file, or postgresql://user@host/database, "
+                 "which several servers may share")
+      ->required();
   app.add_option("--domain", arguments.server.dds_domain, "DDS domain, 0 to 230")
       ->capture_default_str();
   app.add_option("--address", arguments.server.address, "Address of the interface to serve on")
@@ -46,6 +51,13 @@ Result<FileLock> LockServed(const std::filesystem::path& served,
                    served.string());
 }
 
+/// A file is one server's; a database may be several servers'.
+Result<std::optional<FileLock>> LockStore(const std::string& store) {
+  if (content::IsPostgresLocation(store)) return std::optional<FileLock>();
+  WAYMARK_TRY_ASSIGN(FileLock lock, LockServed(store, store + ".serve.lock"));
+  return std::optional(std::move(lock));
+}
+
 sigset_t EndSignals() {
   sigset_t signals;
   ::sigemptyset(&signals);
@@ -58,10 +70,9 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY(arguments.server.Validate());
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  WAYMARK_TRY_ASSIGN(const FileLock store_lock,
-                     LockServed(arguments.store, arguments.store.string() + ".serve.lock"));
+  WAYMARK_TRY_ASSIGN(const auto store_lock, LockStore(arguments.store));
   WAYMARK_TRY_ASSIGN(const FileLock map_lock, LockServed(map.folder(), map.ServeLockPath()));
-  WAYMARK_TRY_ASSIGN(auto store, content::OpenSqliteStore(arguments.store));
+  WAYMARK_TRY_ASSIGN(auto store, content::OpenStore(arguments.store));
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
   WAYMARK_TRY_ASSIGN(const auto server,
                      Server::Start(arguments.server, {.map = map.description(),

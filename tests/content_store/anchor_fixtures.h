@@ -39,6 +39,11 @@ inline AnchorRecord MakeAnchor(std::uint64_t n, const std::string& room = "room"
   record.payload = fmt::format("payload {} ", n) + std::string(n % 97, static_cast<char>(n));
   record.created_utc_ms = 1'700'000'000'000 + static_cast<std::int64_t>(n);
   record.changed_utc_ms = record.created_utc_ms;
+  if (n % 5 == 4) record.expires_utc_ms = 1'900'000'000'000 + static_cast<std::int64_t>(n);
+  if (n % 6 == 5) record.unsupported_since_epoch = n;
+  if (n % 7 == 5) record.visibility = AnchorVisibility::kPrivate;
+  if (n % 7 == 6) record.visibility = AnchorVisibility::kPublic;
+  if (n % 2 == 1) record.editing = AnchorEditing::kOwner;
   return record;
 }
 
@@ -59,7 +64,9 @@ inline bool SameAnchor(const AnchorRecord& a, const AnchorRecord& b) {
          a.place.latitude == b.place.latitude && a.place.longitude == b.place.longitude &&
          a.place.ellipsoid_height_m == b.place.ellipsoid_height_m && a.kind == b.kind &&
          a.payload == b.payload && a.created_utc_ms == b.created_utc_ms &&
-         a.changed_utc_ms == b.changed_utc_ms;
+         a.changed_utc_ms == b.changed_utc_ms && a.link == b.link &&
+         a.expires_utc_ms == b.expires_utc_ms && a.visibility == b.visibility &&
+         a.editing == b.editing && a.unsupported_since_epoch == b.unsupported_since_epoch;
 }
 
 /// The record of a write that applied; a test that meets anything else fails.

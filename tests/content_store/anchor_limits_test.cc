@@ -10,11 +10,6 @@
 namespace waymark::content {
 namespace {
 
-class AnchorLimits : public AnchorStores {};
-
-INSTANTIATE_TEST_SUITE_P(All, AnchorLimits, testing::Values(Backend::kMemory, Backend::kSqlite),
-                         BackendName);
-
 TEST_P(AnchorLimits, ValuesBeyondTheirLimitsAreRefused) {
   const auto with = [](auto change) {
     AnchorRecord record = MakeAnchor(3);

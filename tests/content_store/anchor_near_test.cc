@@ -14,11 +14,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class AnchorNeighbours : public AnchorStores {};
-
-INSTANTIATE_TEST_SUITE_P(All, AnchorNeighbours, testing::Values(Backend::kMemory, Backend::kSqlite),
-                         BackendName);
-
 TEST_P(AnchorNeighbours, NeighboursComeNearestFirst) {
   const GeoPoint centre = PlaceAt(47.37, 8.54);
   const TangentPlane plane(centre);

@@ -11,9 +11,6 @@ namespace {
 
 using testing::IsEmpty;
 
-INSTANTIATE_TEST_SUITE_P(All, AnchorStores, testing::Values(Backend::kMemory, Backend::kSqlite),
-                         BackendName);
-
 TEST_P(AnchorStores, EveryFieldComesBack) {
   for (std::uint64_t n = 0; n < 8; ++n) {
     const AnchorRecord wanted = MakeAnchor(n);

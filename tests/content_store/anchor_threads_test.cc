@@ -10,11 +10,6 @@
 namespace waymark::content {
 namespace {
 
-class AnchorThreads : public AnchorStores {};
-
-INSTANTIATE_TEST_SUITE_P(All, AnchorThreads, testing::Values(Backend::kMemory, Backend::kSqlite),
-                         BackendName);
-
 TEST_P(AnchorThreads, OfManyThreadsOnOneRevisionExactlyOneWins) {
   AnchorRecord current = Applied(store_->Create(MakeAnchor(1)));
   for (int round = 0; round < 10; ++round) {

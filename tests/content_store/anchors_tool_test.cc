@@ -4,6 +4,7 @@
 #include <sqlite3.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "content_store/anchor_store.h"
@@ -75,12 +76,41 @@ TEST_F(AnchorsTool, ChecksAndTellsDamage) {
   EXPECT_THAT(sound.text, AllOf(HasSubstr("3 anchors, 1 deleted"), HasSubstr("sound")));
   sqlite3* database = nullptr;
   ASSERT_EQ(sqlite3_open(file_.c_str(), &database), SQLITE_OK);
-  sqlite3_exec(database, "UPDATE changes SET checksum = 1 WHERE revision = 2", nullptr, nullptr,
+  sqlite3_exec(database, "UPDATE states SET checksum = 1 WHERE revision = 2", nullptr, nullptr,
                nullptr);
   sqlite3_close(database);
   const Answer damaged = Run("check");
   EXPECT_EQ(damaged.status, 1);
   EXPECT_THAT(damaged.text, AllOf(HasSubstr("damaged"), HasSubstr("revision 2")));
+}
+
+TEST_F(AnchorsTool, QueriesByPlaceAndTime) {
+  const Answer all = Run("query lobby --box 47.3,8.5,47.4,8.6");
+  EXPECT_EQ(all.status, 0);
+  EXPECT_THAT(all.text, AllOf(HasSubstr(IdOf(0).text()), HasSubstr(IdOf(1).text()),
+                              Not(HasSubstr(IdOf(2).text()))));
+  const Answer near = Run("query lobby --circle 47.35,8.55,20000 --nearest 1");
+  EXPECT_EQ(std::count(near.text.begin(), near.text.end(), '\n'), 2) << near.text;
+  EXPECT_THAT(Run("query lobby --since 1700000000001").text, Not(HasSubstr(IdOf(0).text())));
+  EXPECT_EQ(Run("query --public").status, 0);
+  EXPECT_EQ(Run("query").status, 1);
+}
+
+TEST_F(AnchorsTool, MovesAnchorsToAnotherStore) {
+  EXPECT_EQ(Run("export 2>/dev/null | tee all.geojson").status, 0);
+  const Answer first = Run("import all.geojson", "other.db");
+  EXPECT_EQ(first.status, 0);
+  EXPECT_THAT(first.text, HasSubstr("3 created, 0 unchanged"));
+  EXPECT_THAT(Run("import all.geojson", "other.db").text, HasSubstr("0 created, 3 unchanged"));
+  EXPECT_THAT(Run("import --room copy < all.geojson", "other.db").text, HasSubstr("3 created"));
+  EXPECT_THAT(Run("check", "other.db").text, HasSubstr("6 anchors"));
+  EXPECT_EQ(Run("import anchors.db", "other.db").status, 1) << "no GeoJSON";
+}
+
+TEST_F(AnchorsTool, CompactsAndMigrates) {
+  EXPECT_THAT(Run("compact --keep 0").text, HasSubstr("5 states before, 4 after"));
+  EXPECT_THAT(Run("check").text, AllOf(HasSubstr("compacted through"), HasSubstr("sound")));
+  EXPECT_THAT(Run("migrate").text, HasSubstr("nothing to do"));
 }
 
 TEST_F(AnchorsTool, TeachesItsUse) {

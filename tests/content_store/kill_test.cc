@@ -6,35 +6,18 @@
 
 #include <chrono>
 #include <cstdlib>
-#include <map>
 #include <random>
 #include <thread>
 
 #include "content_store/anchor_store.h"
 #include "content_store/store_check.h"
-#include "tests/content_store/anchor_fixtures.h"
+#include "tests/content_store/acknowledged.h"
 
 namespace waymark::content {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::IsEmpty;
-
-struct Acknowledgement {
-  std::uint64_t anchor;   // the n of MakeAnchor
-  std::uint64_t version;  // 0 created, above: updated; kDeleted: gone
-  std::uint64_t revision;
-};
-constexpr std::uint64_t kDeleted = ~std::uint64_t{0};
-
-/// Every field that an update sets follows from anchor and version.
-AnchorRecord Version(std::uint64_t anchor, std::uint64_t version) {
-  AnchorRecord record = MakeAnchor(anchor);
-  record.payload = fmt::format("{} {} ", anchor, version) +
-                   std::string((anchor * 31 + version * 977) % 5000, 'p');
-  record.epoch = version + 1;
-  return record;
-}
 
 /// Writes for ever: creates, updates twice, deletes some, and tells each success.
 [[noreturn]] void WriteForEver(AnchorStore& store, std::uint64_t first_anchor, int acknowledge) {
@@ -93,45 +76,22 @@ TEST(KilledWriter, LeavesEveryAcknowledgedWriteAndNothingTorn) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "anchors.db";
   std::mt19937_64 random(11);
-  std::map<std::uint64_t, Acknowledgement> acknowledged;  // by revision
-  std::uint64_t seen = 0;
+  AcknowledgedWrites acknowledged;
   for (int trial = 0; trial < kills && !testing::Test::HasFailure(); ++trial) {
     for (const auto& done : RunAndKill(file, 1000 * static_cast<std::uint64_t>(trial), random)) {
-      EXPECT_TRUE(acknowledged.emplace(done.revision, done).second) << "a revision given twice";
+      acknowledged.Add(done);
     }
     auto opened = OpenSqliteStore(file);
     ASSERT_TRUE(opened) << ToString(opened.error());
-    const auto changes = (*opened)->LoadChanges(seen, 100'000);
-    ASSERT_TRUE(changes) << ToString(changes.error());
-    std::map<std::uint64_t, const AnchorChange*> found;
-    for (const AnchorChange& change : *changes) {
-      ASSERT_EQ(change.revision, ++seen) << "a gap in the log";
-      found[change.revision] = &change;
-      if (change.record) {
-        const AnchorRecord& record = *change.record;
-        std::uint64_t anchor = 0;
-        std::sscanf(record.payload.c_str(), "%lu", &anchor);
-        EXPECT_TRUE(SameAnchor(record, Version(anchor, record.epoch - 1))) << "a torn record";
-      }
-    }
-    for (auto done = acknowledged.rbegin(); done != acknowledged.rend(); ++done) {
-      if (done->first <= seen - changes->size()) break;  // looked at after an earlier kill
-      ASSERT_TRUE(found.contains(done->first)) << "revision " << done->first << " was lost";
-      const AnchorChange& change = *found[done->first];
-      EXPECT_EQ(change.id, IdOf(done->second.anchor));
-      EXPECT_EQ(change.record.has_value(), done->second.version != kDeleted);
-      if (change.record) {
-        EXPECT_EQ(change.record->epoch, done->second.version + 1);
-      }
-    }
-    EXPECT_LE(changes->size(), found.size());
+    acknowledged.CompareWith(**opened);
   }
   const auto check = CheckSqliteStore(file);
   ASSERT_TRUE(check) << ToString(check.error());
   EXPECT_THAT(check->problems, IsEmpty());
   EXPECT_GE(check->revision, acknowledged.size());
-  fmt::print("{} kills, {} acknowledged writes, all there; {} more had committed unheard\n", kills,
-             acknowledged.size(), check->revision - acknowledged.size());
+  fmt::print("{} kills, {} acknowledged writes: {} lost, {} torn; {} more had committed unheard\n",
+             kills, acknowledged.size(), acknowledged.lost(), acknowledged.torn(),
+             check->revision - acknowledged.size());
 }
 
 }  // namespace

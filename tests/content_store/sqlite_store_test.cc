@@ -86,12 +86,12 @@ TEST_F(SqliteStore, RefusesANewerSchemaAndNamesBothVersions) {
   ChangeFile("PRAGMA user_version = 7");
   const Error error = OpenFails();
   EXPECT_EQ(error.code, ErrorCode::kUnsupported);
-  EXPECT_THAT(error.message, AllOf(HasSubstr("version 1"), HasSubstr("found 7")));
+  EXPECT_THAT(error.message, AllOf(HasSubstr("version 2"), HasSubstr("found 7")));
 }
 
 TEST_F(SqliteStore, RefusesASchemaWithSomethingSlippedIn) {
   Applied(OpenSqliteStore(file_).value()->Create(MakeAnchor(1)));
-  ChangeFile("CREATE TRIGGER spy AFTER INSERT ON changes BEGIN DELETE FROM anchors; END");
+  ChangeFile("CREATE TRIGGER spy AFTER INSERT ON states BEGIN DELETE FROM places; END");
   EXPECT_EQ(OpenFails().code, ErrorCode::kCorrupt);
   ChangeFile("DROP TRIGGER spy");
   EXPECT_TRUE(OpenSqliteStore(file_));
@@ -123,11 +123,11 @@ TEST_F(SqliteStore, CheckFindsWhatReadingCannotSee) {
     return check ? check->problems : std::vector<std::string>{ToString(check.error())};
   };
   EXPECT_THAT(problems(), testing::IsEmpty());
-  ChangeFile("UPDATE anchors SET cell = cell + 4 WHERE revision = 1");
+  ChangeFile("UPDATE places SET cell = cell + 4 WHERE revision = 1");
   EXPECT_THAT(problems(), testing::Contains(HasSubstr("cell")));
-  ChangeFile("DELETE FROM anchors WHERE revision = 1");
+  ChangeFile("DELETE FROM places WHERE revision = 1");
   EXPECT_THAT(problems(), testing::Contains(HasSubstr("misses 1")));
-  ChangeFile("DELETE FROM changes WHERE revision = 1");
+  ChangeFile("DELETE FROM states WHERE revision = 1");
   EXPECT_THAT(problems(), testing::Contains(HasSubstr("revision 1")));
   const auto log = OpenSqliteStore(file_).value()->LoadChanges(0, 10);
   ASSERT_FALSE(log);
@@ -141,8 +141,8 @@ TEST_F(SqliteStore, AStateUnderForeignKeysIsNotServed) {
     Applied((*store)->Create(MakeAnchor(2)));
   }
   ChangeFile(
-      "UPDATE changes SET state = (SELECT state FROM changes WHERE revision = 2), "
-      "checksum = (SELECT checksum FROM changes WHERE revision = 2) WHERE revision = 1");
+      "UPDATE states SET state = (SELECT state FROM states WHERE revision = 2), "
+      "checksum = (SELECT checksum FROM states WHERE revision = 2) WHERE revision = 1");
   const auto found = OpenSqliteStore(file_).value()->Find(RoomId("room"), IdOf(1));
   ASSERT_FALSE(found);
   EXPECT_EQ(found.error().code, ErrorCode::kCorrupt);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <condition_variable>
 #include <map>
 #include <mutex>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "content_store/anchor_rules.h"
 #include "content_store/anchor_store.h"
+#include "content_store/internal/query_match.h"
 
 namespace waymark::support {
 
@@ -43,6 +45,68 @@ class MemoryAnchorStore final : public content::AnchorStore {
     return Write(*entry, std::move(next));
   }
 
+  Result<content::WriteOutcome> Move(const content::AnchorMove& move,
+                                     std::uint64_t expected_revision) override {
+    WAYMARK_TRY_ASSIGN(auto record, Find(move.room, move.id));
+    if (!record) return {content::WriteConflict{}};
+    record->map_from_anchor = move.map_from_anchor;
+    record->epoch = move.epoch;
+    record->attachments = move.attachments;
+    record->place = move.place;
+    record->changed_utc_ms = move.changed_utc_ms;
+    record->unsupported_since_epoch.reset();
+    return Update(*record, expected_revision);
+  }
+
+  std::vector<Result<content::WriteOutcome>> CreateMany(
+      std::span<const content::AnchorRecord> records) override {
+    std::vector<Result<content::WriteOutcome>> outcomes;
+    for (const content::AnchorRecord& record : records) outcomes.push_back(Create(record));
+    return outcomes;
+  }
+
+  Result<std::size_t> Expire(std::int64_t now_utc_ms, std::size_t limit) override {
+    std::vector<content::AnchorRecord> due;
+    {
+      const std::lock_guard lock(mutex_);
+      for (const auto& [key, entry] : entries_) {
+        if (due.size() < limit && entry.present && entry.present->expires_utc_ms &&
+            *entry.present->expires_utc_ms <= now_utc_ms) {
+          due.push_back(*entry.present);
+        }
+      }
+    }
+    for (const auto& record : due) (void)Delete(record.room, record.id, record.revision);
+    return due.size();
+  }
+
+  /// The states of the log as of the first page, in order of their revisions.
+  Result<content::AnchorPage> Query(const content::AnchorQuery& query) override {
+    WAYMARK_TRY(query.Validate());
+    const std::lock_guard lock(mutex_);
+    const std::uint64_t as_of = query.after ? query.after->as_of : log_.size();
+    std::map<std::pair<RoomId, AnchorId>, const content::AnchorRecord*> then;
+    for (std::uint64_t i = 0; i < as_of; ++i) {
+      then[{log_[i].room, log_[i].id}] = log_[i].record ? &*log_[i].record : nullptr;
+    }
+    std::map<std::uint64_t, const content::AnchorRecord*> matches;
+    for (const auto& [key, record] : then) {
+      const bool is_later = record && (!query.after || record->revision > query.after->revision);
+      if (is_later && content::internal::Matches(query, *record)) {
+        matches.emplace(record->revision, record);
+      }
+    }
+    content::AnchorPage page{.revision = as_of, .anchors = {}, .next = std::nullopt};
+    for (const auto& [revision, record] : matches) {
+      if (page.anchors.size() == query.limit) {
+        page.next = {as_of, 0, page.anchors.back().revision};
+        break;
+      }
+      page.anchors.push_back(*record);
+    }
+    return page;
+  }
+
   Result<content::WriteOutcome> Delete(const RoomId& room, const AnchorId& id,
                                        std::uint64_t expected_revision) override {
     const std::lock_guard lock(mutex_);
@@ -52,6 +116,7 @@ class MemoryAnchorStore final : public content::AnchorStore {
     last.revision = log_.size() + 1;
     entry->revision = last.revision;
     log_.push_back({last.revision, id, room, std::nullopt});
+    changed_.notify_all();
     return {std::move(last)};
   }
 
@@ -115,6 +180,24 @@ class MemoryAnchorStore final : public content::AnchorStore {
     return changes;
   }
 
+  Result<std::vector<content::AnchorChange>> LoadRoomChanges(const RoomId& room,
+                                                             std::uint64_t after_revision,
+                                                             std::size_t limit) override {
+    const std::lock_guard lock(mutex_);
+    std::vector<content::AnchorChange> changes;
+    for (std::uint64_t i = after_revision; i < log_.size() && changes.size() < limit; ++i) {
+      if (log_[i].room == room) changes.push_back(log_[i]);
+    }
+    return changes;
+  }
+
+  Result<std::uint64_t> WaitForChanges(std::uint64_t after_revision,
+                                       std::chrono::milliseconds timeout) override {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, timeout, [&] { return log_.size() > after_revision; });
+    return log_.size();
+  }
+
  private:
   struct Entry {
     std::optional<content::AnchorRecord> present;  // absent: deleted
@@ -127,6 +210,7 @@ class MemoryAnchorStore final : public content::AnchorStore {
     entry.revision = record.revision;
     entry.present = record;
     log_.push_back({record.revision, record.id, record.room, record});
+    changed_.notify_all();
     return record;
   }
   std::optional<content::AnchorRecord> Present(const RoomId& room, const AnchorId& id) {
@@ -141,6 +225,7 @@ class MemoryAnchorStore final : public content::AnchorStore {
   }
 
   std::mutex mutex_;
+  std::condition_variable changed_;
   std::map<std::pair<RoomId, AnchorId>, Entry> entries_;  // guarded by mutex_
   std::vector<content::AnchorChange> log_;                // guarded by mutex_; revision = index + 1
 };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "content_store/internal/sql_session.h"
+#include "content_store/internal/sqlite_session.h"
 
 #include <soci/sqlite3/soci-sqlite3.h>
 
 #include <string>
 
-#include "content_store/internal/schema.h"
+#include "content_store/internal/sqlite_schema.h"
 
 namespace waymark::content::internal {
 namespace {
@@ -43,11 +43,20 @@ std::string_view Explanation(int sqlite_result) {
 
 }  // namespace
 
-SqlSession::SqlSession(const std::filesystem::path& file, const std::string& connection)
-    : file_(file), sql_(soci::sqlite3, connection) {}
+Error DescribeSqlite(const std::string& name, const std::exception& exception) {
+  const auto* from_sqlite = dynamic_cast<const soci::sqlite3_soci_error*>(&exception);
+  const int code = from_sqlite != nullptr ? from_sqlite->result() : SQLITE_ERROR;
+  if (dynamic_cast<const std::bad_alloc*>(&exception) != nullptr) {
+    return MakeError(ErrorCode::kUnavailable, "{}: out of memory", name);
+  }
+  return MakeError(CodeOf(code), "{}: {}{}", name, exception.what(), Explanation(code));
+}
 
-Result<std::unique_ptr<SqlSession>> SqlSession::Open(const std::filesystem::path& file,
-                                                     const SqliteStoreOptions& options) {
+SqliteSession::SqliteSession(const std::filesystem::path& file, const std::string& connection)
+    : name_(file.string()), sql_(soci::sqlite3, connection) {}
+
+Result<std::unique_ptr<SqliteSession>> SqliteSession::Open(const std::filesystem::path& file,
+                                                           const StoreOptions& options) {
   WAYMARK_TRY(options.Validate());
   // Absolute, so that SQLite reads no special meaning into it; the quote would end SOCI's value.
   const std::string path = std::filesystem::absolute(file).lexically_normal().string();
@@ -62,30 +71,26 @@ Result<std::unique_ptr<SqlSession>> SqlSession::Open(const std::filesystem::path
   if (options.mode == OpenMode::kExisting && !std::filesystem::exists(path, ignored)) {
     return MakeError(ErrorCode::kNotFound, "{}: there is no anchor store", path);
   }
-  std::unique_ptr<SqlSession> session;
+  std::unique_ptr<SqliteSession> session;
   try {
     session.reset(
-        new SqlSession(file, fmt::format("db=\"{}\" timeout={}", path, options.busy_timeout_s)));
+        new SqliteSession(file, fmt::format("db=\"{}\" timeout={}", path, options.busy_timeout_s)));
   } catch (const std::exception& exception) {
     return MakeError(ErrorCode::kUnavailable, "{}: cannot open: {}", path, exception.what());
   }
-  WAYMARK_TRY(session->Guard([&] { return PrepareSchema(session->sql(), file, options.mode); }));
+  try {
+    WAYMARK_TRY(PrepareSqliteSchema(session->sql(), session->name(), options));
+  } catch (const std::exception& exception) {
+    return DescribeSqlite(session->name(), exception);
+  }
   return session;
 }
 
-bool SqlSession::failed_to_sync() {
+ConnectionState SqliteSession::state() {
   const auto* backend = static_cast<soci::sqlite3_session_backend*>(sql_.get_backend());
   const int code = sqlite_api::sqlite3_extended_errcode(backend->conn_);
-  return code == SQLITE_IOERR_FSYNC || code == SQLITE_IOERR_DIR_FSYNC;
-}
-
-Error SqlSession::Describe(const std::exception& exception) const {
-  const auto* from_sqlite = dynamic_cast<const soci::sqlite3_soci_error*>(&exception);
-  const int code = from_sqlite != nullptr ? from_sqlite->result() : SQLITE_ERROR;
-  if (dynamic_cast<const std::bad_alloc*>(&exception) != nullptr) {
-    return MakeError(ErrorCode::kUnavailable, "{}: out of memory", file_.string());
-  }
-  return MakeError(CodeOf(code), "{}: {}{}", file_.string(), exception.what(), Explanation(code));
+  const bool failed_to_sync = code == SQLITE_IOERR_FSYNC || code == SQLITE_IOERR_DIR_FSYNC;
+  return failed_to_sync ? ConnectionState::kUntrusted : ConnectionState::kUsable;
 }
 
 }  // namespace waymark::content::internal

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every anchor store promises about moves, bulk loads, expiry, limits and its change feed.
+#include <gmock/gmock.h>
+
+#include <atomic>
+#include <map>
+#include <thread>
+
+#include "tests/content_store/anchor_stores.h"
+
+namespace waymark::content {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+using namespace std::chrono_literals;
+
+TEST_P(AnchorChanges, AMoveChangesThePlaceAlone) {
+  AnchorRecord record = MakeAnchor(5);
+  const AnchorRecord first = Applied(store_->Create(record));
+  const AnchorRecord other = MakeAnchor(3);
+  const AnchorMove move{.room = first.room,
+                        .id = first.id,
+                        .map_from_anchor = other.map_from_anchor,
+                        .epoch = 7,
+                        .attachments = other.attachments,
+                        .place = other.place,
+                        .changed_utc_ms = 99};
+  record.map_from_anchor = move.map_from_anchor;
+  record.epoch = 7;
+  record.attachments = move.attachments;
+  record.place = move.place;
+  record.changed_utc_ms = 99;
+  record.unsupported_since_epoch.reset();
+  EXPECT_TRUE(SameAnchor(Applied(store_->Move(move, first.revision)), record));
+  EXPECT_TRUE(SameAnchor(FindAnchor(record), record));
+  EXPECT_TRUE(Conflict(store_->Move(move, first.revision)).current);
+  AnchorMove invalid = move;
+  invalid.epoch = 0;
+  EXPECT_FALSE(store_->Move(invalid, 2));
+}
+
+TEST_P(AnchorChanges, AContentLinkIsKept) {
+  AnchorRecord record = MakeAnchor(2);
+  record.payload.clear();
+  record.link = {"https://example.org/a.gltf", std::string(64, 'a')};
+  Applied(store_->Create(record));
+  EXPECT_TRUE(SameAnchor(FindAnchor(record), record));
+  for (const PayloadLink& link :
+       {PayloadLink{"no scheme", std::string(64, 'a')},
+        PayloadLink{"https://x y", std::string(64, 'a')}, PayloadLink{"https://x", "short"},
+        PayloadLink{"https://" + std::string(2048, 'x'), std::string(64, 'a')}}) {
+    record.link = link;
+    ExpectInvalid(record, "link");
+  }
+  record.link = {"https://example.org/a.gltf", std::string(64, 'a')};
+  record.payload = "both";
+  ExpectInvalid(record, "payload");
+}
+
+TEST_P(AnchorChanges, ABulkLoadAnswersForEach) {
+  Applied(store_->Create(MakeAnchor(3)));
+  std::vector<AnchorRecord> records;
+  for (std::uint64_t n = 0; n < 1500; ++n) records.push_back(MakeAnchor(n));
+  records[7].epoch = 0;             // invalid
+  records[9] = records[8];          // the same one twice
+  records[11].id = records[10].id;  // another one under its id
+  const auto outcomes = store_->CreateMany(records);
+  ASSERT_EQ(outcomes.size(), records.size());
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (i == 7) {
+      EXPECT_FALSE(outcomes[i]);
+    } else if (i == 11) {
+      EXPECT_TRUE(Conflict(outcomes[i]).current);
+    } else {
+      EXPECT_EQ(Applied(outcomes[i]).id, records[i].id);
+    }
+  }
+  EXPECT_EQ(store_->LoadRoom(kRoom)->anchors.size(), 1497u);
+  EXPECT_THAT(store_->CreateMany({}), IsEmpty());
+}
+
+TEST_P(AnchorChanges, WhatHasExpiredGoesAndIsInTheFeed) {
+  for (std::uint64_t n = 0; n < 20; ++n) Applied(store_->Create(MakeAnchor(n)));  // 4 expire
+  EXPECT_EQ(store_->Expire(1'899'999'999'999, 100).value(), 0u);
+  EXPECT_EQ(store_->Expire(1'900'000'000'009, 1).value(), 1u);
+  EXPECT_EQ(store_->Expire(1'900'000'000'009, 100).value(), 1u);
+  EXPECT_EQ(store_->Find(kRoom, IdOf(4)).value(), std::nullopt);
+  EXPECT_EQ(store_->Find(kRoom, IdOf(9)).value(), std::nullopt);
+  EXPECT_TRUE(store_->Find(kRoom, IdOf(14)).value());
+  EXPECT_EQ(store_->LoadChanges(20, 100)->size(), 2u);
+  EXPECT_EQ(store_->Expire(std::numeric_limits<std::int64_t>::max(), 100).value(), 2u);
+}
+
+TEST_P(AnchorChanges, ARoomsFeedHasItsChangesAlone) {
+  for (std::uint64_t n = 0; n < 12; ++n) {
+    Applied(store_->Create(MakeAnchor(n, n % 3 == 0 ? "room" : "other")));
+  }
+  const auto changes = store_->LoadRoomChanges(kRoom, 1, 2);
+  ASSERT_TRUE(changes);
+  ASSERT_EQ(changes->size(), 2u);
+  EXPECT_EQ((*changes)[0].id, IdOf(3));
+  EXPECT_EQ((*changes)[1].id, IdOf(6));
+  EXPECT_THAT(store_->LoadRoomChanges(RoomId("nowhere"), 0, 10).value(), IsEmpty());
+}
+
+/// The state of a room built from a snapshot and what came after.
+class Follower {
+ public:
+  Follower(AnchorStore& store, const RoomId& room) : store_(store), room_(room) {
+    const auto snapshot = store.LoadRoom(room);
+    seen_ = snapshot->revision;
+    for (const AnchorRecord& record : snapshot->anchors) {
+      EXPECT_LE(record.revision, seen_) << "a snapshot with the future in it";
+      revisions_[record.id.text()] = record.revision;
+    }
+  }
+  void FollowTo(std::uint64_t last) {
+    while (seen_ < last) {
+      const auto changes = store_.LoadRoomChanges(room_, seen_, 5);
+      ASSERT_TRUE(changes) << ToString(changes.error());
+      if (changes->empty()) break;
+      for (const AnchorChange& change : *changes) {
+        ASSERT_GT(change.revision, seen_) << "a change twice";
+        seen_ = change.revision;
+        revisions_.erase(change.id.text());
+        if (change.record) revisions_[change.id.text()] = change.revision;
+      }
+    }
+  }
+  const std::map<std::string, std::uint64_t>& revisions() const { return revisions_; }
+
+ private:
+  AnchorStore& store_;
+  const RoomId room_;
+  std::uint64_t seen_ = 0;
+  std::map<std::string, std::uint64_t> revisions_;
+};
+
+TEST_P(AnchorChanges, LateJoinersMeetEveryChangeOnce) {
+  constexpr std::uint64_t kWriters = 3, kEach = 20;
+  std::vector<std::jthread> writers;
+  for (std::uint64_t w = 0; w < kWriters; ++w) {
+    writers.emplace_back([&, w] {
+      for (std::uint64_t i = 0; i < kEach; ++i) {
+        AnchorRecord record = Applied(store_->Create(MakeAnchor(1000 * w + i)));
+        record.payload = "again";
+        record.link.reset();
+        record = Applied(store_->Update(record, record.revision));
+        if (i % 2 == 0) Applied(store_->Delete(record.room, record.id, record.revision));
+      }
+    });
+  }
+  std::vector<std::unique_ptr<Follower>> followers;
+  for (int i = 0; i < 12; ++i) followers.push_back(std::make_unique<Follower>(*store_, kRoom));
+  writers.clear();
+  const std::uint64_t last = store_->LoadRoom(kRoom)->revision;
+  EXPECT_EQ(last, kWriters * kEach * 5 / 2);
+  const Follower truth(*store_, kRoom);
+  EXPECT_EQ(truth.revisions().size(), kWriters * kEach / 2);
+  for (const auto& follower : followers) {
+    follower->FollowTo(last);
+    EXPECT_EQ(follower->revisions(), truth.revisions());
+  }
+}
+
+TEST_P(AnchorChanges, WhoWaitsIsWoken) {
+  EXPECT_EQ(store_->WaitForChanges(0, 1ms).value(), 0u) << "nothing came";
+  Applied(store_->Create(MakeAnchor(1)));
+  EXPECT_EQ(store_->WaitForChanges(0, 1h).value(), 1u) << "it is there already";
+  std::jthread writer([&] { Applied(store_->Create(MakeAnchor(2))); });
+  EXPECT_EQ(store_->WaitForChanges(1, 1h).value(), 2u);
+}
+
+TEST_P(AnchorChanges, WhoWaitsHearsOfAnotherServersWrites) {
+  if (!GetParam().keeps) GTEST_SKIP() << "one process alone has it";
+  auto other = GetParam().open(folder_.path(), {});
+  ASSERT_TRUE(other) << ToString(other.error());
+  std::jthread writer([&] { Applied((*other)->Create(MakeAnchor(2))); });
+  EXPECT_EQ(store_->WaitForChanges(0, 1h).value(), 1u);
+  EXPECT_TRUE(SameAnchor(FindAnchor(MakeAnchor(2)), MakeAnchor(2)));
+}
+
+TEST_P(AnchorChanges, TwoServersWriteOneSequence) {
+  if (!GetParam().keeps) GTEST_SKIP() << "one process alone has it";
+  auto other = GetParam().open(folder_.path(), {});
+  ASSERT_TRUE(other) << ToString(other.error());
+  const AnchorRecord first = Applied(store_->Create(MakeAnchor(1)));
+  std::atomic<int> wins = 0;
+  std::vector<std::jthread> servers;
+  for (AnchorStore* server : {store_.get(), other->get()}) {
+    servers.emplace_back([&, server] {
+      for (std::uint64_t i = 0; i < 30; ++i) {
+        Applied(server->Create(MakeAnchor(100 + 2 * i + (server == store_.get() ? 0 : 1))));
+      }
+      const auto outcome = server->Update(first, first.revision);
+      wins += outcome && std::holds_alternative<AnchorRecord>(*outcome) ? 1 : 0;
+    });
+  }
+  servers.clear();
+  EXPECT_EQ(wins, 1);
+  const auto changes = store_->LoadChanges(0, 1000);
+  ASSERT_TRUE(changes) << ToString(changes.error());
+  EXPECT_EQ(changes->size(), 62u);
+}
+
+TEST_P(AnchorChanges, AnOwnerHoldsNoMoreThanAllowed) {
+  if (!GetParam().keeps) GTEST_SKIP() << "without limits";
+  Open({.limits = {.max_anchors_per_owner = 2, .max_payload_bytes_per_owner = 1000}});
+  const auto make = [](std::uint64_t n, std::size_t bytes) {
+    AnchorRecord record = MakeAnchor(n);
+    record.owner = "device";
+    record.payload = std::string(bytes, 'p');
+    return record;
+  };
+  AnchorRecord first = Applied(store_->Create(make(1, 300)));
+  const auto too_large = store_->Create(make(2, 701));
+  ASSERT_FALSE(too_large);
+  EXPECT_EQ(too_large.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_THAT(too_large.error().message, HasSubstr("at most 1000 bytes"));
+  Applied(store_->Create(make(2, 700)));
+  const auto too_many = store_->Create(make(3, 0));
+  ASSERT_FALSE(too_many);
+  EXPECT_THAT(too_many.error().message, HasSubstr("holds its 2 anchors already"));
+  Applied(store_->Create(make(1, 300)));  // a retry is no second one
+  AnchorRecord other_room = make(3, 0);
+  other_room.room = RoomId("other");
+  Applied(store_->Create(other_room));
+  first.payload += 'p';
+  EXPECT_FALSE(store_->Update(first, first.revision));
+  first.payload = "";
+  first = Applied(store_->Update(first, first.revision));
+  Applied(store_->Delete(first.room, first.id, first.revision));
+  Applied(store_->Create(make(3, 300)));
+}
+
+TEST_P(AnchorChanges, AnOwnerWritesNoFasterThanAllowed) {
+  if (!GetParam().keeps) GTEST_SKIP() << "without limits";
+  std::chrono::steady_clock::time_point now{};
+  Open({.limits = {.max_writes_per_second = 2, .max_burst = 3}, .clock = [&] { return now; }});
+  const auto write = [&](std::uint64_t n, const std::string& owner) {
+    AnchorRecord record = MakeAnchor(n);
+    record.owner = owner;
+    const auto outcome = store_->Create(record);
+    return outcome ? std::string("applied") : ToString(outcome.error());
+  };
+  for (std::uint64_t n = 1; n <= 3; ++n) EXPECT_EQ(write(n, "fast"), "applied");
+  EXPECT_THAT(write(4, "fast"), testing::AllOf(HasSubstr("unavailable"), HasSubstr("owner fast"),
+                                               HasSubstr("try again in 0.50 s")));
+  EXPECT_EQ(write(4, "other"), "applied");
+  now += 500ms;
+  EXPECT_EQ(write(5, "fast"), "applied");
+  EXPECT_THAT(write(6, "fast"), HasSubstr("try again"));
+}
+
+}  // namespace
+}  // namespace waymark::content
