@@ -21,7 +21,8 @@ struct LevellingOptions {
 /// The direction up in an IMU's axes while its vehicle accelerates and turns. What an accelerometer
 /// feels in a bend leans by 25 degrees, so a mean over time is no vertical; but integrated twice,
 /// in the frame that the gyroscope carries, it must lead from GNSS fix to GNSS fix, and only one
-/// attitude makes it do so. Solved for windows that overlap by half; immutable, thread-safe.
+/// attitude makes it do so (see strapdown_fit.h). Solved for windows that overlap by half, each
+/// with its own biases; where two tell, the one that is more certain then. Immutable, thread-safe.
 class Levelling {
  public:
   /// Records of one accelerometer, of one gyroscope whose values are turned into the same axes,
@@ -36,6 +37,7 @@ class Levelling {
   struct Sample {
     SensorTime time;
     Eigen::Vector3d up_in_sensor;
+    double sigma_rad;
   };
   struct Window {
     SensorTime begin;
@@ -48,6 +50,7 @@ class Levelling {
                                      std::span<const GnssFix> fixes,
                                      const LevellingOptions& options);
 
+  double max_tilt_sigma_rad_ = 0;
   std::vector<Window> windows_;
 };
 
