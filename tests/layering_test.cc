@@ -46,7 +46,7 @@ const std::map<std::string_view, std::vector<std::string_view>> kMayOnlySee{
 
 /// A library's headers, as a prefix of what stands between <>, and the folders that may use it.
 const std::map<std::string_view, std::vector<std::string_view>> kDoors{
-    {"opencv2/", {"mapping/features", "session/device", "examples", "tests"}},
+    {"opencv2/", {"mapping/features", "mapping/tools", "session/device", "examples", "tests"}},
     {"flann/", {"mapping/matching", "localiser", "tests"}},
     {"opengv/", {"mapping/estimation", "tests"}},
     {"ceres/", {"mapping/estimation", "tests"}},

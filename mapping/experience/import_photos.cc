@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "mapping/base/file.h"
+#include "mapping/experience/internal/imported_folder.h"
 #include "mapping/experience/internal/jpeg_structure.h"
 #include "mapping/experience/internal/kapture_sensors.h"
 #include "mapping/experience/internal/photo_exif.h"
@@ -151,53 +152,15 @@ Result<void> Describe(const std::vector<Photo>& photos, PhotoImport& import) {
   return {};
 }
 
-Result<void> PlacePhoto(const fs::path& from, const fs::path& to) {
-  WAYMARK_TRY(CreateFolders(to.parent_path()));
-  std::error_code failure;
-  fs::remove(to, failure);  // left by an import that was cut short
-  const fs::path file = fs::weakly_canonical(from, failure);  // of a link, what it names
-  fs::create_hard_link(file, to, failure);
-  if (!failure) return {};
-  fs::copy_file(file, to, failure);
-  if (!failure) return {};
-  return MakeError(ErrorCode::kUnavailable, "{}: cannot copy to {}: {}", from.string(), to.string(),
-                   failure.message());
-}
-
-bool IsInside(const fs::path& inner, const fs::path& outer) {
-  const auto relative = inner.lexically_relative(outer);
-  return !relative.empty() && *relative.begin() != "..";
-}
-
-Result<void> CheckFolders(const fs::path& photos, const fs::path& experience) {
-  std::error_code ignored;
-  const auto from = fs::weakly_canonical(photos, ignored);
-  const auto to = fs::weakly_canonical(experience, ignored);
-  if (IsInside(to, from) || IsInside(from, to)) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "{}: expected an experience folder apart from the photos, found {}",
-                     photos.string(), experience.string());
-  }
-  if (!IsExperienceIdText(to.filename().string())) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "{}: expected a folder whose name can serve as the experience's id",
-                     experience.string());
-  }
-  if (!fs::exists(to / "sensors" / "sensors.txt", ignored)) return {};
-  return MakeError(ErrorCode::kConflict, "{}: expected no experience yet, found one",
-                   experience.string());
-}
-
 }  // namespace
 
 Result<PhotoImport> ImportPhotos(const fs::path& photo_folder, const fs::path& experience_folder) {
-  WAYMARK_TRY(CheckFolders(photo_folder, experience_folder));
+  WAYMARK_TRY(internal::CheckImportFolders(photo_folder, experience_folder));
   PhotoImport import{.experience = {.id = ExperienceId("import"), .folder = experience_folder}};
   WAYMARK_TRY_ASSIGN(const auto photos, LoadPhotos(photo_folder, import.left_out));
   WAYMARK_TRY(Describe(photos, import));
   for (const Photo& photo : photos) {
-    WAYMARK_TRY(PlacePhoto(photo_folder / photo.name,
-                           experience_folder / "sensors" / "records_data" / photo.name));
+    WAYMARK_TRY(internal::PlaceImage(photo_folder / photo.name, experience_folder, photo.name));
   }
   WAYMARK_TRY(StoreKapture(import.experience, experience_folder));
   WAYMARK_TRY_ASSIGN(import.experience, LoadKapture(experience_folder));

@@ -17,11 +17,14 @@ int main(int argc, char** argv) {
       "  waymark-map report MAP                          how building went, with all figures\n"
       "  waymark-map remove MAP --experience drive1      takes it out again\n"
       "  waymark-map diff MAP                            what moved with the live release\n"
+      "  waymark-map draw MAP --out map.png              submaps and images from above\n"
       "  waymark-map export MAP --format colmap --out model\n"
       "  waymark-map rollback MAP                        the release before is live again\n"
       "`waymark-map COMMAND --help` explains one command.\n"
       "Exit status: 0 done, 1 nothing entered the map, 64 wrong usage, 65 wrong data, 66 an input\n"
-      "is missing, 69 disk or solver failed, 73 another writer or name clash, 130 interrupted.");
+      "is missing, 69 disk or solver failed, 73 another writer or name clash, 75 (build-submap) "
+      "try\n"
+      "again, 130 interrupted.");
   int exit_code = kDone;
   RegisterAdd(app, exit_code);
   RegisterBuildSubmap(app, exit_code);
@@ -31,6 +34,7 @@ int main(int argc, char** argv) {
   RegisterPrune(app, exit_code);
   RegisterReleases(app, exit_code);
   RegisterDiff(app, exit_code);
+  RegisterDraw(app, exit_code);
   RegisterImport(app, exit_code);
   RegisterExport(app, exit_code);
   try {

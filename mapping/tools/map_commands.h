@@ -20,6 +20,7 @@ enum ExitCode : int {
   kNoInput = 66,
   kUnavailable = 69,
   kConflict = 73,
+  kTryAgain = 75,  ///< of build-submap: not decided, and not because of its input
   kInterrupted = 130,
 };
 
@@ -34,6 +35,7 @@ void RegisterRemove(CLI::App& app, int& exit_code);
 void RegisterPrune(CLI::App& app, int& exit_code);
 void RegisterReleases(CLI::App& app, int& exit_code);  ///< releases, deploy, rollback
 void RegisterDiff(CLI::App& app, int& exit_code);
+void RegisterDraw(CLI::App& app, int& exit_code);
 void RegisterImport(CLI::App& app, int& exit_code);
 void RegisterExport(CLI::App& app, int& exit_code);
 

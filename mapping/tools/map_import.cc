@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "mapping/experience/import_colmap.h"
 #include "mapping/experience/import_photos.h"
 #include "mapping/tools/map_commands.h"
 
@@ -12,12 +13,13 @@ namespace waymark::mapping {
 namespace {
 
 struct ImportArguments {
-  std::string photos;
+  std::string model;  ///< of COLMAP
+  std::string images;
   std::string out;
 };
 
-Result<void> Import(const ImportArguments& arguments) {
-  WAYMARK_TRY_ASSIGN(const PhotoImport imported, ImportPhotos(arguments.photos, arguments.out));
+Result<void> ImportFromPhotos(const ImportArguments& arguments) {
+  WAYMARK_TRY_ASSIGN(const PhotoImport imported, ImportPhotos(arguments.images, arguments.out));
   fmt::print("{}: {} images of {} cameras", arguments.out, imported.experience.images.size(),
              imported.experience.cameras.size());
   if (imported.photos_without_gps > 0) {
@@ -34,6 +36,17 @@ Result<void> Import(const ImportArguments& arguments) {
   return {};
 }
 
+Result<void> ImportFromColmap(const ImportArguments& arguments) {
+  WAYMARK_TRY_ASSIGN(const ColmapImport imported,
+                     ImportColmap(arguments.model, arguments.images, arguments.out));
+  fmt::print("{}: {} images of {} cameras\n", arguments.out, imported.experience.images.size(),
+             imported.experience.cameras.size());
+  for (const std::string& name : imported.missing) {
+    fmt::print("  left out {}: no such file below {}\n", name, arguments.images);
+  }
+  return {};
+}
+
 }  // namespace
 
 void RegisterImport(CLI::App& app, int& exit_code) {
@@ -44,9 +57,21 @@ void RegisterImport(CLI::App& app, int& exit_code) {
   photos->footer(
       "Example: waymark-map import photos ~/street --out street\n"
       "Focal lengths and positions come from EXIF. Photos are linked, not copied, where possible.");
-  photos->add_option("PHOTOS", arguments->photos, "the folder of photos")->required();
+  photos->add_option("PHOTOS", arguments->images, "the folder of photos")->required();
   photos->add_option("--out", arguments->out, "the experience to make")->required();
-  photos->callback([arguments, &exit_code] { exit_code = Finish(Import(*arguments)); });
+  photos->callback([arguments, &exit_code] { exit_code = Finish(ImportFromPhotos(*arguments)); });
+  CLI::App* colmap = import->add_subcommand("colmap", "The images of a COLMAP model");
+  colmap->footer(
+      "Example: waymark-map import colmap sparse/0 --images images --out street\n"
+      "Takes the model's cameras, and its poses as the recorded trajectory; the map is built "
+      "anew.\n"
+      "Images are linked, not copied, where possible.");
+  colmap->add_option("MODEL", arguments->model, "folder of cameras and images, .bin or .txt")
+      ->required();
+  colmap->add_option("--images", arguments->images, "below which the model's images lie")
+      ->required();
+  colmap->add_option("--out", arguments->out, "the experience to make")->required();
+  colmap->callback([arguments, &exit_code] { exit_code = Finish(ImportFromColmap(*arguments)); });
 }
 
 }  // namespace waymark::mapping
