@@ -30,6 +30,13 @@ Result<void> CheckInput(std::span<const SfmCamera> cameras, std::span<const SfmI
                        i, images[i].gnss_sigma_m);
     }
   }
+  for (const SfmCamera& camera : cameras) {
+    if (!(std::abs(camera.readout_s) < 1)) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "camera: expected a readout of less than a second, found {} s",
+                       camera.readout_s);
+    }
+  }
   for (const RigLink& link : rig_links) {
     if (std::max({link.image, link.before, link.after}) >= images.size() ||
         link.image == link.before || link.image == link.after || link.before == link.after ||

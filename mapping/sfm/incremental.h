@@ -22,6 +22,7 @@ struct SfmCamera {
   CameraModel model;
   bool has_known_focal = true;
   bool refine = true;
+  double readout_s = 0;  ///< of a rolling shutter: from the first row to the last; 0: global
 };
 
 /// An image of the input. The submap frame is ENU at the submap's origin, so priors are in it.
@@ -33,6 +34,7 @@ struct SfmImage {
   /// The direction "up" seen by the accelerometer in camera axes, unit length.
   std::optional<Eigen::Vector3d> up_in_camera = {};
   std::uint32_t group = 0;  ///< images of one experience share it: verification and pairing
+  std::optional<double> time_s = {};  ///< of the middle row; for rolling shutters
 };
 
 /// Descriptor matches of one candidate pair, before geometric verification.

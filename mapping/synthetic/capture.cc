@@ -15,8 +15,25 @@ struct Seen {
   Eigen::Vector2d pixel_px;
 };
 
+/// Where a point shows on a sensor whose rows are exposed one after the other: the row it falls on
+/// is the one that is exposed just then.
+std::optional<Eigen::Vector2d> ProjectRolling(const Eigen::Vector3d& point,
+                                              const CameraModel& camera, std::size_t image,
+                                              const CaptureOptions& options) {
+  constexpr int kIterations = 6;
+  double seconds = 0;
+  std::optional<Eigen::Vector2d> pixel_px;
+  for (int i = 0; i < kIterations; ++i) {
+    pixel_px = camera.Project(options.pose_at(image, seconds).Inverse() * point);
+    if (!pixel_px) return std::nullopt;
+    seconds = options.readout_s * (pixel_px->y() / camera.height_px() - 0.5);
+  }
+  return pixel_px;
+}
+
 std::vector<Seen> VisiblePoints(const World& world, const CameraModel& camera,
-                                const Rigid3& world_from_camera, const CaptureOptions& options) {
+                                const Rigid3& world_from_camera, std::size_t image,
+                                const CaptureOptions& options) {
   const Rigid3 camera_from_world = world_from_camera.Inverse();
   std::vector<Seen> seen;
   for (std::uint32_t i = 0; i < world.points.size(); ++i) {
@@ -26,7 +43,9 @@ std::vector<Seen> VisiblePoints(const World& world, const CameraModel& camera,
     if (range_m > options.max_range_m || towards.dot(world.points[i].normal) < 0.1 * range_m) {
       continue;
     }
-    const auto pixel_px = camera.Project(camera_from_world * world.points[i].position);
+    const Eigen::Vector3d& point = world.points[i].position;
+    const auto pixel_px = options.readout_s != 0 ? ProjectRolling(point, camera, image, options)
+                                                 : camera.Project(camera_from_world * point);
     if (pixel_px && camera.Contains(*pixel_px)) seen.push_back({range_m, i, *pixel_px});
   }
   std::stable_sort(seen.begin(), seen.end(),
@@ -60,7 +79,7 @@ Capture CaptureWalk(const World& world, const CameraModel& camera, std::span<con
   for (const Rigid3& pose : walk) {
     std::vector<Keypoint> keypoints;
     std::vector<std::uint32_t> point_of;
-    for (const Seen& seen : VisiblePoints(world, camera, pose, options)) {
+    for (const Seen& seen : VisiblePoints(world, camera, pose, capture.keypoints.size(), options)) {
       const double x = seen.pixel_px.x() + random.Normal(options.pixel_sigma_px);
       const double y = seen.pixel_px.y() + random.Normal(options.pixel_sigma_px);
       keypoints.push_back({static_cast<float>(x), static_cast<float>(y), 4, 0});

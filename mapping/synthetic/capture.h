@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -23,6 +24,10 @@ struct CaptureOptions {
   std::optional<double> gnss_sigma_m = {};       ///< absent: no GNSS
   double gnss_outlier_share = 0;                 ///< of the fixes: tens of metres off
   std::optional<double> gravity_sigma_rad = {};  ///< absent: no accelerometer
+  /// Rolling shutter: from the first row to the last; needs `pose_at`.
+  double readout_s = 0;
+  /// world_from_camera of an image's camera so many seconds after its middle row.
+  std::function<Rigid3(std::size_t image, double seconds)> pose_at = {};
   std::uint64_t seed = 1;
 };
 

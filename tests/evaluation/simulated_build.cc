@@ -49,13 +49,19 @@ CameraModel GuessCamera() {  // a little wrong, as calibrations are
 
 }  // namespace
 
-Result<BuiltSubmap> Build(const SimulatedDrive& drive) {
+Result<BuiltSubmap> Build(const SimulatedDrive& drive, const Shutter& shutter) {
   const TangentPlane plane(kOrigin);
   const std::vector<IndexedImage> sensed = Sense(drive, plane);
   const CaptureOptions options{.pixel_sigma_px = 0.5,
                                .outlier_share = 0.15,
                                .max_range_m = 40,
                                .max_features = 550,
+                               .readout_s = shutter.readout_s,
+                               .pose_at =
+                                   [&](std::size_t i, double seconds) {
+                                     return drive.motion.WorldFromBody(drive.seconds[i] + seconds) *
+                                            drive.body_from_camera[drive.camera_of_image[i]];
+                                   },
                                .seed = drive.seed};
   const Capture capture = CaptureWalk(drive.world, DriveCamera(), drive.seen_from, options);
   std::vector<SfmImage> images = capture.Images();
@@ -66,6 +72,7 @@ Result<BuiltSubmap> Build(const SimulatedDrive& drive) {
     }
     images[i].gnss_sigma_m = sensed[i].gnss_sigma_m;
     images[i].up_in_camera = sensed[i].up_in_camera;
+    images[i].time_s = drive.seconds[i];
     built.images.push_back({.sequence = CameraName(sensed[i].camera),
                             .time = sensed[i].time,
                             .up_in_camera = sensed[i].up_in_camera,
@@ -73,7 +80,8 @@ Result<BuiltSubmap> Build(const SimulatedDrive& drive) {
                             .gnss_sigma_m = sensed[i].gnss_sigma_m});
     built.next_from_this.push_back(sensed[i].next_from_this);
   }
-  const std::array cameras{SfmCamera{GuessCamera()}};
+  const std::array cameras{
+      SfmCamera{.model = GuessCamera(), .readout_s = shutter.stated_readout_s}};
   WAYMARK_TRY_ASSIGN(built.reconstruction,
                      ReconstructIncrementally(cameras, images, MatchCapture(capture, 25, options),
                                               {.parallelism = {1}}));

@@ -54,9 +54,15 @@ struct BuiltSubmap {
   std::vector<mapping::MeasuredRotation> Rotations() const;
 };
 
+/// A rolling shutter, and what reconstruction is told of it.
+struct Shutter {
+  double readout_s = 0;
+  double stated_readout_s = 0;
+};
+
 /// Captures, matches and reconstructs with noise and wrong matches; sensors pass through the
 /// pipeline's own sensing. Errors: those of ReconstructIncrementally.
-Result<BuiltSubmap> Build(const SimulatedDrive& drive);
+Result<BuiltSubmap> Build(const SimulatedDrive& drive, const Shutter& shutter = {});
 
 /// Takes out single images that cannot be right, then judges, as the pipeline does.
 Result<mapping::VerificationEvidence> PruneAndVerify(BuiltSubmap& submap,

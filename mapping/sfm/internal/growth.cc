@@ -6,6 +6,7 @@
 #include "mapping/sfm/internal/initial_pair.h"
 #include "mapping/sfm/internal/points.h"
 #include "mapping/sfm/internal/registration.h"
+#include "mapping/sfm/internal/rolling_shutter.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -64,6 +65,7 @@ class Growth {
     constexpr int kIterations = 15;
     constexpr double kTolerance = 1e-4;  // of the cost; more will come anyway
     gauge_ = UpdateGauge(model_, gauge_, options_);
+    CorrectRollingShutter(model_);
     WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations, kTolerance));
     FilterAllTracks(model_, options_);
     ExtendAllTracks(model_, options_);
@@ -78,14 +80,17 @@ class Growth {
     constexpr int kIterations = 30;
     constexpr double kTolerance = 1e-6;
     constexpr double kStableShare = 0.0005;
+    constexpr int kRollingRounds = 3;  // corrections and poses settle in turns
     for (int round = 0; round < kRounds; ++round) {
       if (progress_) progress_("final adjustment", static_cast<double>(round) / kRounds);
       if (gauge_.gauge != Gauge::kGeographic) gauge_ = UpdateGauge(model_, gauge_, options_);
+      const bool is_rolling = CorrectRollingShutter(model_);
       const std::size_t added = ExtendAllTracks(model_, options_);
       WAYMARK_TRY(AdjustGlobally(model_, gauge_, options_, kIterations, kTolerance));
       const std::size_t removed = FilterAllTracks(model_, options_);
       DropWeakImages();
       const auto all = static_cast<double>(CountObservations(model_));
+      if (is_rolling && round + 1 < kRollingRounds) continue;
       if (static_cast<double>(added + removed) < kStableShare * all) break;
     }
     adjusted_images_ = model_.registered().size();

@@ -16,7 +16,8 @@ Model::Model(std::span<const SfmCamera> cameras, std::span<const SfmImage> image
       rig_links_(rig_links),
       poses_(images.size()),
       image_tracks_(images.size()),
-      observation_counts_(images.size(), 0) {
+      observation_counts_(images.size(), 0),
+      pixel_shifts_(images.size()) {
   for (const SfmCamera& camera : cameras) cameras_.push_back(camera.model);
   for (const SfmImage& image : images) {
     const CameraModel& camera = cameras_[image.camera];

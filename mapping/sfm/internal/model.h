@@ -59,9 +59,19 @@ class Model {
   /// Points of the model that this image has a feature of.
   const VisibilityGrid& visibility(std::uint32_t image) const { return visibility_[image]; }
 
-  Eigen::Vector2d Pixel(const TrackElement& element) const {
+  Eigen::Vector2d MeasuredPixel(const TrackElement& element) const {
     const Keypoint& keypoint = images_[element.image].keypoints[element.feature];
     return {keypoint.x_px, keypoint.y_px};
+  }
+  /// Where a camera with a global shutter would have seen it.
+  Eigen::Vector2d Pixel(const TrackElement& element) const {
+    const std::vector<Eigen::Vector2f>& shifts = pixel_shifts_[element.image];
+    if (shifts.empty()) return MeasuredPixel(element);
+    return MeasuredPixel(element) + shifts[element.feature].cast<double>();
+  }
+  /// By feature; from measured pixels to those that the model works with.
+  void SetPixelShifts(std::uint32_t image, std::vector<Eigen::Vector2f> shifts) {
+    pixel_shifts_[image] = std::move(shifts);
   }
   /// Requires a registered image.
   Sighting SightingOf(const TrackElement& element) const;
@@ -87,6 +97,7 @@ class Model {
   std::vector<std::vector<std::uint32_t>> image_tracks_;
   std::vector<VisibilityGrid> visibility_;
   std::vector<std::size_t> observation_counts_;
+  std::vector<std::vector<Eigen::Vector2f>> pixel_shifts_;  ///< per image; empty: as measured
   std::size_t point_count_ = 0;
 };
 
