@@ -15,6 +15,7 @@
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
 #include "mapping/pipeline/internal/releasing.h"
+#include "mapping/pipeline/internal/task_executor.h"
 #include "mapping/pipeline/pipeline.h"
 
 namespace waymark::mapping {
@@ -103,25 +104,26 @@ Result<Known> FindKnown(const MapDirectory& map, const Experience& experience,
   return is_live ? Known::kLive : Known::kUnfinished;
 }
 
-/// Builds all tasks of a plan, several at once; their number of threads depends on the plan alone.
+/// Builds those tasks of a plan that have no decision; returns what became of all of them.
 Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const ExperienceId& id,
-                                            const Plan& plan, const Parallelism& parallelism,
-                                            Run& run) {
-  const std::size_t threads = parallelism.ThreadCount();
-  const std::size_t workers = std::clamp<std::size_t>(plan.tasks.size(), 1, threads);
-  const Parallelism outer{static_cast<int>(workers)};
-  const Parallelism inner{static_cast<int>(std::max<std::size_t>(1, threads / workers))};
-  std::vector<Result<SubmapReport>> outcomes(plan.tasks.size());
-  StageCounter counter(run, PipelineStage::kSubmaps, id.text(), plan.tasks.size());
-  ParallelFor(plan.tasks.size(), outer, [&](std::size_t i) {
-    outcomes[i] = run.ShouldStop() ? Result<SubmapReport>(Run::Stopped())
-                                   : BuildTask(map, id, plan.tasks[i], inner, run);
-    if (outcomes[i]) counter.Add();
-  });
+                                            const Plan& plan, const AddRequest& request, Run& run) {
+  const fs::path folder = map.ExperienceFolder(id);
+  PendingTasks pending{.experience = id, .tasks = {}};
+  for (const std::string& task : plan.tasks) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
+    if (!decision) pending.tasks.push_back(task);
+  }
+  if (request.slurm && !pending.tasks.empty()) {
+    WAYMARK_TRY(BuildWithSlurm(map, pending, *request.slurm, run));
+  } else {
+    WAYMARK_TRY(BuildHere(map, pending, request.options.parallelism, run));
+  }
   std::vector<SubmapReport> reports;
-  for (auto& outcome : outcomes) {
-    WAYMARK_TRY_ASSIGN(SubmapReport report, std::move(outcome));
-    reports.push_back(std::move(report));
+  for (const std::string& task : plan.tasks) {
+    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
+    CHECK(decision.has_value(), "task {} was built", task);
+    const bool is_new = std::ranges::find(pending.tasks, task) != pending.tasks.end();
+    reports.push_back(ReportOf(task, *decision, !is_new));
   }
   return reports;
 }
@@ -149,7 +151,7 @@ Result<void> AddOne(const MapDirectory& map, const Experience& experience,
     return {};
   }
   WAYMARK_TRY_ASSIGN(std::vector<SubmapReport> built,
-                     BuildPlan(map, experience.id, plan, parallelism, run));
+                     BuildPlan(map, experience.id, plan, request, run));
   std::set<SubmapId> accepted;
   for (SubmapReport& submap : built) {
     if (submap.id) accepted.insert(*submap.id);
@@ -169,6 +171,7 @@ Result<void> AddOne(const MapDirectory& map, const Experience& experience,
 
 Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserver& observer) {
   WAYMARK_TRY(request.options.Validate());
+  if (request.slurm) WAYMARK_TRY(request.slurm->Validate());
   WAYMARK_TRY_ASSIGN(const std::vector<Experience> experiences,
                      LoadAll(request.experience_folders));
   WAYMARK_TRY_ASSIGN(const MapDirectory map, OpenOrCreate(request, experiences));

@@ -59,7 +59,8 @@ std::vector<SfmImage> MakeSfmImages(const TaskInput& input, const TangentPlane& 
                  .gnss_in_submap = {},
                  .gnss_sigma_m = image.gnss_sigma_m,
                  .up_in_camera = image.up_in_camera,
-                 .group = input.group_of_image[i]};
+                 .group = input.group_of_image[i],
+                 .time_s = Seconds(image.time.time_since_epoch())};
     if (image.gnss && input.uses_gnss) {
       sfm.gnss_in_submap = Point<Submap>(submap_plane.ToMap(*image.gnss).coordinates());
     }
@@ -163,6 +164,8 @@ Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
   return decision;
 }
 
+}  // namespace
+
 SubmapReport ReportOf(const std::string& task, const Decision& decision, bool was_built_before) {
   return {.task = task,
           .id = decision.submap,
@@ -171,8 +174,6 @@ SubmapReport ReportOf(const std::string& task, const Decision& decision, bool wa
           .images = decision.images,
           .landmarks = decision.landmarks};
 }
-
-}  // namespace
 
 Result<SubmapReport> BuildTask(const MapDirectory& map, const ExperienceId& experience,
                                const std::string& task, const Parallelism& parallelism, Run& run) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/pipeline/pipeline.h"
 
+#include <cmath>
+
 namespace waymark::mapping {
 
 Result<void> PipelineOptions::Validate() const {
@@ -12,9 +14,28 @@ Result<void> PipelineOptions::Validate() const {
   WAYMARK_TRY(verification.Validate());
   WAYMARK_TRY(assembly.Validate());
   WAYMARK_TRY(fusion.Validate());
+  for (const auto& [camera, seconds] : readout_s) {
+    if (std::abs(seconds) < 1) continue;
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "readout of camera \"{}\": expected less than a second, found {} s", camera,
+                     seconds);
+  }
   if (parallelism.threads < 0) {
     return MakeError(ErrorCode::kInvalidArgument, "threads: expected 0 or more, found {}",
                      parallelism.threads);
+  }
+  return {};
+}
+
+Result<void> SlurmOptions::Validate() const {
+  if (!program.is_absolute()) {
+    return MakeError(ErrorCode::kInvalidArgument, "program: expected an absolute path, found {}",
+                     program.string());
+  }
+  if (threads < 1 || rounds < 1 || poll.count() < 1) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "threads, rounds, poll: expected 1 or more, found {}, {}, {} ms", threads,
+                     rounds, poll.count());
   }
   return {};
 }

@@ -6,6 +6,11 @@
 #include "mapping/base/content_hash.h"
 
 namespace waymark::mapping {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(Recorder, {{Recorder::kUnknown, "unknown"},
+                                        {Recorder::kVehicle, "vehicle"},
+                                        {Recorder::kPerson, "person"}})
+
 namespace {
 
 /// Hands every field to `visit(name, field)`: the one list that encoding, decoding and hashing use.
@@ -65,6 +70,22 @@ void VisitVerification(Options& o, Visit visit) {
   visit("verification.max_speed_mps", o.max_speed_mps);
   visit("verification.max_gnss_sigmas", o.max_gnss_sigmas);
   visit("verification.tolerated_share", o.tolerated_share);
+  visit("verification.gyroscope_bias_sigma_rad_per_s", o.gyroscope_bias_sigma_rad_per_s);
+  visit("verification.max_gyroscope_bias_rad_per_s", o.max_gyroscope_bias_rad_per_s);
+  visit("verification.max_rotation_drift_rad", o.max_rotation_drift_rad);
+  visit("verification.max_gyroscope_scale_error", o.max_gyroscope_scale_error);
+  visit("verification.max_acceleration_mps2", o.max_acceleration_mps2);
+  visit("verification.position_tolerance_m", o.position_tolerance_m);
+  visit("verification.recorder", o.recorder);
+  visit("verification.min_vehicle_speed_mps", o.min_vehicle_speed_mps);
+  visit("verification.min_vehicle_share", o.min_vehicle_share);
+  visit("verification.min_step_m", o.min_step_m);
+  visit("verification.max_slip_rad", o.max_slip_rad);
+  visit("verification.max_lever_arm_m", o.max_lever_arm_m);
+  visit("verification.min_turning_radius_m", o.min_turning_radius_m);
+  visit("verification.max_yaw_rate_error_rad_per_s", o.max_yaw_rate_error_rad_per_s);
+  visit("verification.max_shape_error_m", o.max_shape_error_m);
+  visit("verification.max_shape_sigmas", o.max_shape_sigmas);
 }
 
 template <typename Options, typename Visit>
@@ -74,6 +95,7 @@ void VisitAll(Options& o, Visit visit) {
   VisitMatching(o, visit);
   VisitSfm(o.sfm, visit);
   VisitVerification(o.verification, visit);
+  visit("readout_s", o.readout_s);
   visit("assembly.min_track", o.assembly.min_track);
   visit("assembly.enough_landmarks", o.assembly.enough_landmarks);
   visit("assembly.max_observations", o.assembly.max_observations);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,6 +35,9 @@ struct PipelineOptions {
   SfmOptions sfm = {};  ///< its parallelism is set by the pipeline
   VerificationOptions verification = {};
   AssemblyOptions assembly = {};
+  /// Seconds that rolling shutters take from the first row to the last, by camera; "" is every
+  /// camera that is not named. Image times are those of the middle row.
+  std::map<std::string, double> readout_s = {};
   FusionOptions fusion = {};     ///< its parallelism is set by the pipeline
   Parallelism parallelism = {};  ///< for everything; never changes what is in a map
 
@@ -93,12 +98,25 @@ struct AddReport {
 /// How far to go: `kPlan` ends after planning, for schedulers that build submaps elsewhere.
 enum class AddUntil { kPlan, kRelease };
 
+/// Building submaps on a cluster. Map directory and program are seen under the same paths by this
+/// machine and by all nodes.
+struct SlurmOptions {
+  std::filesystem::path program = {};       ///< waymark-map, absolute
+  std::vector<std::string> arguments = {};  ///< for sbatch: partition, memory, time limit, …
+  int threads = 1;                          ///< of a submap; features are found by the caller
+  int rounds = 3;                           ///< how often a task is tried
+  std::chrono::milliseconds poll{2000};
+
+  Result<void> Validate() const;
+};
+
 struct AddRequest {
   std::filesystem::path map_folder = {};
   std::vector<std::filesystem::path> experience_folders = {};
   PipelineOptions options = {};
   AddUntil until = AddUntil::kRelease;
-  std::string created_utc = {};  ///< ISO 8601, of the release
+  std::optional<SlurmOptions> slurm = {};  ///< absent: submaps are built by this process
+  std::string created_utc = {};            ///< ISO 8601, of the release
 };
 
 /// Adds experiences to a map, creating it when it is absent, and deploys a new release of all old
@@ -108,7 +126,8 @@ struct AddRequest {
 /// Errors: those of LoadKapture and MapDirectory; InvalidArgument (options, no or equal folders);
 /// Conflict (an experience of this name with other content, another writer); Corrupt when no
 /// image of an experience is usable; Unavailable when stopped by the observer. Experiences that
-/// cannot be reconstructed are a value: `AddReport::rejected`.
+/// cannot be reconstructed are a value: `AddReport::rejected`. With `slurm`, Unavailable also when
+/// jobs end without a decision; the map is the same, byte for byte, as one built by this process.
 Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserver& observer = {});
 
 /// Builds one planned submap and stores it with its decision; does nothing when that is done.

@@ -169,7 +169,7 @@ Result<NewRelease> ReleaseSubmaps(const MapDirectory& map, const std::set<Submap
   WAYMARK_TRY_ASSIGN(const std::optional<Release> parent, LoadParent(map));
   WAYMARK_TRY_ASSIGN(const std::vector<FusionSubmap> inputs,
                      LoadFusionInput(map, submaps, parent, run));
-  WAYMARK_TRY_ASSIGN(const Fusion fusion, FuseSubmaps(inputs, options));
+  WAYMARK_TRY_ASSIGN(const Fusion fusion, UpdateFusion(inputs, options));
 
   NewRelease result{.epoch = {}, .unplaced = {}};
   Release release{.epoch = 1,

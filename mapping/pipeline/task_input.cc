@@ -42,6 +42,12 @@ std::vector<GyroscopeChain> ChainRotations(const ExperienceIndex& index) {
   return chains;
 }
 
+double ReadoutOf(const std::string& camera, const PipelineOptions& options) {
+  auto found = options.readout_s.find(camera);
+  if (found == options.readout_s.end()) found = options.readout_s.find("");
+  return found != options.readout_s.end() ? found->second : 0;
+}
+
 Result<std::map<ExperienceId, Lender>> LoadLenders(const MapDirectory& map, const SubmapTask& task,
                                                    TaskInput& input) {
   std::map<ExperienceId, Lender> lenders;
@@ -55,7 +61,9 @@ Result<std::map<ExperienceId, Lender>> LoadLenders(const MapDirectory& map, cons
     lender.group = static_cast<std::uint32_t>(lenders.size());
     lender.first_camera = static_cast<std::uint32_t>(input.cameras.size());
     for (const CameraSensor& camera : lender.index.cameras) {
-      input.cameras.push_back({camera.model, camera.has_known_focal, true});
+      input.cameras.push_back({.model = camera.model,
+                               .has_known_focal = camera.has_known_focal,
+                               .readout_s = ReadoutOf(camera.id, task.options)});
     }
     for (std::size_t i = 0; i < lender.index.images.size(); ++i) {
       lender.image_by_name[lender.index.images[i].name] = i;

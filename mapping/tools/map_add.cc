@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -25,13 +26,33 @@ struct AddArguments {
   int max_images = SplitOptions{}.max_images;
   int max_features = FeatureOptions{}.max_features;
   int threads = 0;
+  std::vector<std::string> readouts;
+  std::string executor = "local";
+  std::vector<std::string> slurm_options;
+  int slurm_threads = SlurmOptions{}.threads;
   std::uint64_t seed = 1;
   bool plan_only = false;
   bool quiet = false;
   ProgressStyle progress = ProgressStyle::kAuto;
 };
 
-AddRequest MakeRequest(const AddArguments& arguments) {
+/// "25" or "front=25", in milliseconds.
+Result<void> ReadReadouts(const std::vector<std::string>& texts, PipelineOptions& options) {
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.rfind('=');
+    const std::string camera = equals == std::string::npos ? "" : text.substr(0, equals);
+    double milliseconds = 0;
+    if (!CLI::detail::lexical_cast(text.substr(equals + 1), milliseconds)) {
+      return MakeError(
+          ErrorCode::kInvalidArgument,
+          "rolling-shutter: expected milliseconds or CAMERA=milliseconds, found \"{}\"", text);
+    }
+    options.readout_s[camera] = 1e-3 * milliseconds;
+  }
+  return {};
+}
+
+Result<AddRequest> MakeRequest(const AddArguments& arguments) {
   AddRequest request{.map_folder = arguments.map,
                      .experience_folders = {},
                      .until = arguments.plan_only ? AddUntil::kPlan : AddUntil::kRelease,
@@ -52,7 +73,13 @@ AddRequest MakeRequest(const AddArguments& arguments) {
   if (shrink < 1) split.min_images = std::min(split.min_images, 10);
   split.seed = arguments.seed;
   options.sfm.seed = arguments.seed;
+  WAYMARK_TRY(ReadReadouts(arguments.readouts, options));
   options.parallelism.threads = arguments.threads;
+  if (arguments.executor == "slurm") {
+    request.slurm = SlurmOptions{.program = std::filesystem::read_symlink("/proc/self/exe"),
+                                 .arguments = arguments.slurm_options,
+                                 .threads = arguments.slurm_threads};
+  }
   return request;
 }
 
@@ -94,13 +121,15 @@ int PrintReport(const AddReport& report, bool plan_only) {
 
 int Add(const AddArguments& arguments) {
   CatchInterruption();
+  const auto request = MakeRequest(arguments);
+  if (!request) return Finish(request.error());
   Result<AddReport> report;
   {
     ProgressDisplay display(arguments.quiet ? ProgressStyle::kNone : arguments.progress);
     const PipelineObserver observer{
         .on_progress = [&](const PipelineProgress& progress) { display.Show(progress); },
         .should_stop = WasInterrupted};
-    report = AddExperiences(MakeRequest(arguments), observer);
+    report = AddExperiences(*request, observer);
   }
   if (!report) return Finish(report.error());
   const int outcome = PrintReport(*report, arguments.plan_only);
@@ -120,7 +149,9 @@ void RegisterAdd(CLI::App& app, int& exit_code) {
       "Examples:\n"
       "  waymark-map add city drive1 drive2\n"
       "  waymark-map add city drive1 --subset-radius 15     smaller submaps\n"
-      "  waymark-map add city drive1 --plan-only            for a cluster: build each submap with\n"
+      "  waymark-map add city drive1 --executor slurm --slurm-option=--mem=4G\n"
+      "  waymark-map add city drive1 --plan-only            for any other cluster: build each "
+      "with\n"
       "      `waymark-map build-submap city ID`, then run `waymark-map add city drive1` again\n"
       "An experience is a kapture 1.1 folder; its name is its id. Interrupt or kill at any moment\n"
       "and run again: no finished image and no finished submap is repeated.");
@@ -139,6 +170,20 @@ void RegisterAdd(CLI::App& app, int& exit_code) {
   add->add_option("--threads", arguments->threads, "0: all cores")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
+  add->add_option("--rolling-shutter", arguments->readouts,
+                  "milliseconds from the first row of an image to the last, for all cameras or as\n"
+                  "CAMERA=MS for one; repeatable. Times of images are those of their middle row")
+      ->delimiter(',');
+  add->add_option("--executor", arguments->executor,
+                  "what builds submaps: this machine, or an array of Slurm jobs; the map and this\n"
+                  "program must lie on a file system that all nodes see under the same paths")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"local", "slurm"}));
+  add->add_option("--slurm-option", arguments->slurm_options,
+                  "handed to sbatch, for example --slurm-option=--partition=long; repeatable");
+  add->add_option("--slurm-threads", arguments->slurm_threads, "of one job")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1024));
   add->add_option("--seed", arguments->seed, "of everything random")->capture_default_str();
   add->add_flag("--plan-only", arguments->plan_only, "end after planning; prints the submaps' ids");
   AddProgressOption(*add, arguments->progress);

@@ -20,6 +20,12 @@ struct BuildArguments {
   ProgressStyle progress = ProgressStyle::kAuto;
 };
 
+/// As schedulers want it: 75 for what another try may mend.
+int FinishJob(const Result<void>& outcome) {
+  const int code = Finish(outcome);
+  return code == kUnavailable || code == kConflict ? static_cast<int>(kTryAgain) : code;
+}
+
 Result<void> Build(const BuildArguments& arguments) {
   CatchInterruption();
   ProgressDisplay display(arguments.progress);
@@ -42,14 +48,16 @@ void RegisterBuildSubmap(CLI::App& app, int& exit_code) {
   build->footer(
       "ID is one of those that `waymark-map add MAP EXPERIENCE --plan-only` prints. Any number of\n"
       "processes may build at once; a submap that is built is not built again. A submap that is\n"
-      "refused is an answer, so the exit status is 0: `waymark-map info MAP` lists it.");
+      "refused is an answer, so the exit status is 0: `waymark-map info MAP` lists it. 75 asks\n"
+      "to be tried again: disk full, memory short. `waymark-map add --executor slurm` does all\n"
+      "this by itself.");
   build->add_option("MAP", arguments->map, "the map directory")->required();
   build->add_option("ID", arguments->task, "of the planned submap")->required();
   build->add_option("--threads", arguments->threads, "0: all cores")
       ->capture_default_str()
       ->check(CLI::Range(0, 1024));
   AddProgressOption(*build, arguments->progress);
-  build->callback([arguments, &exit_code] { exit_code = Finish(Build(*arguments)); });
+  build->callback([arguments, &exit_code] { exit_code = FinishJob(Build(*arguments)); });
 }
 
 }  // namespace waymark::mapping

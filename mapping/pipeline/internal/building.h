@@ -13,4 +13,7 @@ namespace waymark::mapping {
 Result<SubmapReport> BuildTask(const MapDirectory& map, const ExperienceId& experience,
                                const std::string& task, const Parallelism& parallelism, Run& run);
 
+/// What a caller of the pipeline is told of a decision.
+SubmapReport ReportOf(const std::string& task, const Decision& decision, bool was_built_before);
+
 }  // namespace waymark::mapping
