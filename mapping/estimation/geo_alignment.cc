@@ -45,11 +45,18 @@ class Alignment {
            sample.position_sigma_m;
   }
 
+  // Positions and accelerometers: along a straight street, positions let the model roll freely.
   double Cost(const Sim3& enu_from_model) const {
     double cost = 0;
-    for (std::uint32_t i : placed_) {
-      const double share = PositionError(enu_from_model, i) / options_.max_error_sigmas;
+    const auto add = [&](double error_sigmas) {
+      const double share = error_sigmas / options_.max_error_sigmas;
       cost += std::min(share * share, 1.0);
+    };
+    for (std::uint32_t i : placed_) add(PositionError(enu_from_model, i));
+    for (const GeoSample& sample : samples_) {
+      if (!sample.up_in_camera) continue;
+      const Eigen::Vector3d up = enu_from_model.rotation() * sample.UpInModel();
+      add(std::atan2(up.head<2>().norm(), up.z()) / gravity_sigma_rad_);
     }
     return cost;
   }
