@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "localiser/internal/candidate.h"
-#include "localiser/internal/open_submap.h"
+#include "localiser/internal/open_release.h"
 #include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser {
@@ -100,6 +100,9 @@ Result<void> LocaliserOptions::Validate() const {
                      "localiser options: expected focal_sigma_share in [0, 1), found {}",
                      focal_sigma_share);
   }
+  if (probes < 1) {
+    return MakeError(ErrorCode::kInvalidArgument, "localiser options: expected probes >= 1");
+  }
   if (!(max_ratio > 0 && max_ratio <= 1)) {
     return MakeError(ErrorCode::kInvalidArgument,
                      "localiser options: expected max_ratio in (0, 1], found {}", max_ratio);
@@ -115,6 +118,7 @@ Result<void> LocaliserOptions::Validate() const {
 struct Localiser::Impl {
   LocaliserOptions options;
   std::uint64_t epoch = 0;
+  std::shared_ptr<const internal::CoarseQuantiser> quantiser;
   std::vector<OpenSubmap> submaps;
 
   Localisation Answer(const LocalisationRequest& request) const;
@@ -154,8 +158,11 @@ std::vector<Candidate> Localiser::Impl::Ask(const std::vector<const OpenSubmap*>
                                             const ImageFeatures& features,
                                             StageTimes& times) const {
   std::vector<Candidate> candidates;
+  const Stopwatch ranking;
+  const internal::RankedCells cells = quantiser->Rank(features.descriptors, options.probes);
+  times.search_ms += 1e3 * ranking.ElapsedS();
   for (const OpenSubmap* submap : near) {
-    internal::SubmapAnswer answer = submap->localiser().Localise(features, request.camera);
+    internal::SubmapAnswer answer = submap->localiser().Localise(features, cells, request.camera);
     times.search_ms += answer.search_ms;
     times.pose_ms += answer.pose_ms;
     candidates.push_back(
@@ -206,16 +213,18 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
 
 Result<std::shared_ptr<const Localiser>> Localiser::Create(const mapping::MapDirectory& map,
                                                            const mapping::Release& release,
-                                                           const LocaliserOptions& options) {
+                                                           const LocaliserOptions& options,
+                                                           const Localiser* before) {
   WAYMARK_TRY(options.Validate());
   auto impl = std::make_unique<Impl>();
   impl->options = options;
   impl->epoch = release.epoch;
-  for (const mapping::ReleasedSubmap& released : release.submaps) {
-    WAYMARK_TRY_ASSIGN(OpenSubmap submap,
-                       OpenSubmap::Open(map.SubmapPath(released.id), released, options));
-    impl->submaps.push_back(std::move(submap));
-  }
+  const std::span<const OpenSubmap> shared =
+      before != nullptr ? std::span<const OpenSubmap>(before->impl_->submaps)
+                        : std::span<const OpenSubmap>();
+  WAYMARK_TRY_ASSIGN(impl->submaps, internal::OpenSubmaps(map, release, shared));
+  impl->quantiser = internal::IndexSubmaps(
+      impl->submaps, before != nullptr ? before->impl_->quantiser : nullptr, options);
   return std::shared_ptr<const Localiser>(new Localiser(std::move(impl)));
 }
 

@@ -80,6 +80,8 @@ struct LocaliserOptions {
   double max_error_px = 6;  ///< reprojection error of an inlier
   /// Doubt about a request's focal length: where the matches contradict it, another is taken.
   double focal_sigma_share = 0.05;
+  /// Inverted lists of a submap that a feature looks into; more find more, and take longer.
+  std::size_t probes = 16;
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
   Angle max_gravity_error = Angle::Degrees(8);  ///< phones and submaps are each good to 1 or 2
   std::uint64_t seed = 1;
@@ -91,12 +93,15 @@ struct LocaliserOptions {
 /// Deterministic for a given request, release and options.
 class Localiser {
  public:
-  /// Opens every submap of the release and indexes its descriptors; calls the C library's srand.
+  /// Opens every submap of the release and indexes its descriptors, on all cores; calls the C
+  /// library's srand. With `before`, made with the same options for another release of the map,
+  /// submaps that both have are shared with it: only new ones are read.
   /// Errors: those of the map directory and its submaps; Corrupt when a file is not what its name,
   /// a content hash, says or the release places it nowhere.
   static Result<std::shared_ptr<const Localiser>> Create(const mapping::MapDirectory& map,
                                                          const mapping::Release& release,
-                                                         const LocaliserOptions& options);
+                                                         const LocaliserOptions& options,
+                                                         const Localiser* before = nullptr);
   ~Localiser();
 
   std::uint64_t epoch() const;

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <utility>
 
 #include <flann/flann.hpp>
 
+#include "localiser/internal/dot_products.h"
 #include "mapping/base/check.h"
+#include "mapping/matching/descriptor_matching.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -15,19 +18,25 @@ namespace {
 using mapping::Descriptor;
 
 constexpr std::size_t kDimensions = std::tuple_size_v<Descriptor>;
-constexpr std::size_t kSamplesPerCell = 64;  // more changed recall by less than its noise
+constexpr std::size_t kSamplesPerCell = 24;
 constexpr int kBranching = 16;
 constexpr int kIterations = 8;
 
 // FLANN draws from std::rand, of which a process has one.
 std::mutex random_mutex;
 
-std::vector<float> SampleEvenly(std::span<const Descriptor> descriptors, std::size_t wanted) {
-  const std::size_t count = std::min(descriptors.size(), wanted);
+std::vector<float> SampleEvenly(std::span<const std::span<const Descriptor>> sets,
+                                std::size_t wanted) {
+  std::size_t all = 0;
+  for (const auto& set : sets) all += set.size();
+  const std::size_t count = std::min(all, wanted);
   std::vector<float> samples;
   samples.reserve(count * kDimensions);
+  std::size_t set = 0, begin = 0;  // of the set that holds the next sample
   for (std::size_t i = 0; i < count; ++i) {
-    const Descriptor& descriptor = descriptors[i * descriptors.size() / count];
+    const std::size_t at = i * all / count;
+    while (at - begin >= sets[set].size()) begin += sets[set++].size();
+    const Descriptor& descriptor = sets[set][at - begin];
     samples.insert(samples.end(), descriptor.begin(), descriptor.end());
   }
   return samples;
@@ -48,10 +57,11 @@ Descriptor OntoSphere(const float* centre) {
 
 }  // namespace
 
-std::vector<Descriptor> TrainCoarseQuantiser(std::span<const Descriptor> descriptors,
-                                             std::size_t count, std::uint64_t seed) {
-  CHECK(!descriptors.empty() && count > 0);
-  std::vector<float> samples = SampleEvenly(descriptors, count * kSamplesPerCell);
+CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descriptor>> sets,
+                                       std::size_t count, std::uint64_t seed) {
+  CHECK(count > 0);
+  std::vector<float> samples = SampleEvenly(sets, count * kSamplesPerCell);
+  CHECK(!samples.empty(), "{} sets hold no descriptor", sets.size());
   std::vector<float> centres(count * kDimensions);
   const flann::Matrix<float> points(samples.data(), samples.size() / kDimensions, kDimensions);
   flann::Matrix<float> rows(centres.data(), count, kDimensions);
@@ -67,7 +77,41 @@ std::vector<Descriptor> TrainCoarseQuantiser(std::span<const Descriptor> descrip
   CHECK(found >= 1 && static_cast<std::size_t>(found) <= count, "found {} of {}", found, count);
   std::vector<Descriptor> representatives;
   for (int i = 0; i < found; ++i) representatives.push_back(OntoSphere(rows[i]));
-  return representatives;
+  return CoarseQuantiser(std::move(representatives));
+}
+
+CoarseQuantiser::CoarseQuantiser(std::vector<Descriptor> representatives)
+    : representatives_(std::move(representatives)) {
+  CHECK(!representatives_.empty());
+}
+
+std::vector<std::uint32_t> CoarseQuantiser::Assign(std::span<const Descriptor> descriptors) const {
+  std::vector<std::uint32_t> cells;
+  cells.reserve(descriptors.size());
+  for (const auto& nearest : mapping::FindNearestTwo(descriptors, representatives_)) {
+    cells.push_back(nearest.first);
+  }
+  return cells;
+}
+
+RankedCells CoarseQuantiser::Rank(std::span<const Descriptor> features, std::size_t probes) const {
+  RankedCells ranked{.per_feature = std::min(probes, size()), .cells = {}};
+  ranked.cells.reserve(features.size() * ranked.per_feature);
+  std::vector<std::int32_t> dots(size());
+  std::vector<std::int64_t> order(size());  // most similar first, ties by index
+  for (const Descriptor& feature : features) {
+    ComputeDots(feature, representatives_, dots);
+    for (std::size_t r = 0; r < order.size(); ++r) {
+      order[r] = -std::int64_t{dots[r]} * (1LL << 32) + static_cast<std::int64_t>(r);
+    }
+    const auto end = order.begin() + static_cast<std::ptrdiff_t>(ranked.per_feature);
+    if (end != order.end()) std::nth_element(order.begin(), end, order.end());
+    std::sort(order.begin(), end);
+    for (auto best = order.begin(); best != end; ++best) {
+      ranked.cells.push_back(static_cast<std::uint32_t>(*best));  // the lower half
+    }
+  }
+  return ranked;
 }
 
 }  // namespace waymark::localiser::internal

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
+#include "localiser/internal/coarse_quantiser.h"
 #include "mapping/features/features.h"
 #include "mapping/matching/descriptor_matching.h"
 
@@ -22,13 +22,9 @@ struct LandmarkMatch {
 
 struct LandmarkSearchOptions {
   std::size_t exhaustive_below = 8192;  ///< smaller sets are scanned whole
-  /// Of an inverted list, on average; absent: twice the square root of the set's size, at least
-  /// 256, which balances ranking the lists with scanning them.
-  std::optional<std::size_t> entries_per_cell = std::nullopt;
-  std::size_t probes = 12;  ///< lists visited per feature
+  std::size_t whole_scan_cell = 512;    ///< entries that are scanned at once then
   double max_ratio = 0.85;
   double max_angle_rad = 0.7;
-  std::uint64_t seed = 1;
 };
 
 /// Finds the landmark that a feature shows, among descriptors of which several belong to one
@@ -39,14 +35,17 @@ class LandmarkSearch {
   /// Borrows both arrays when the set is small enough to be scanned whole, copies otherwise.
   /// Shapes: descriptors[i] shows landmark landmarks[i].
   LandmarkSearch(std::span<const mapping::Descriptor> descriptors,
-                 std::span<const std::uint32_t> landmarks, const LandmarkSearchOptions& options);
+                 std::span<const std::uint32_t> landmarks, const CoarseQuantiser& quantiser,
+                 const LandmarkSearchOptions& options);
 
   LandmarkSearch(LandmarkSearch&&) = default;
   LandmarkSearch(const LandmarkSearch&) = delete;
   LandmarkSearch& operator=(const LandmarkSearch&) = delete;
 
-  /// Sorted by feature. Deterministic.
-  std::vector<LandmarkMatch> Match(std::span<const mapping::Descriptor> features) const;
+  /// Visits the lists of the given cells, which come from the same quantiser; a set that is scanned
+  /// whole does not need them. Sorted by feature. Deterministic.
+  std::vector<LandmarkMatch> Match(std::span<const mapping::Descriptor> features,
+                                   const RankedCells& cells) const;
 
  private:
   /// What one visited cell answered to one feature; `best` counts from the first entry of all.
@@ -57,10 +56,11 @@ class LandmarkSearch {
 
   void CutIntoCells();
   void SortIntoLists(std::span<const mapping::Descriptor> descriptors,
-                     std::span<const std::uint32_t> landmarks);
-  std::vector<std::vector<std::uint32_t>> FeaturesByCell(
-      std::span<const mapping::Descriptor> features) const;
-  std::vector<std::vector<Visit>> VisitCells(std::span<const mapping::Descriptor> features) const;
+                     std::span<const std::uint32_t> landmarks, const CoarseQuantiser& quantiser);
+  std::vector<std::vector<std::uint32_t>> FeaturesByCell(std::size_t feature_count,
+                                                         const RankedCells& cells) const;
+  std::vector<std::vector<Visit>> VisitCells(std::span<const mapping::Descriptor> features,
+                                             const RankedCells& cells) const;
   std::int32_t BestOfAnother(const mapping::Descriptor& feature, std::uint32_t landmark,
                              std::uint32_t cell) const;
   void Judge(std::uint32_t index, const mapping::Descriptor& feature, std::span<const Visit> visits,
@@ -69,8 +69,8 @@ class LandmarkSearch {
   std::size_t cell_count() const { return cell_begins_.size() - 1; }
 
   LandmarkSearchOptions options_;
-  std::vector<mapping::Descriptor> representatives_;  // empty: every cell is visited
-  std::vector<std::uint32_t> cell_begins_;            // and one end
+  bool has_lists_ = false;                  // else every cell is visited
+  std::vector<std::uint32_t> cell_begins_;  // and one end
   std::vector<mapping::Descriptor> sorted_descriptors_;
   std::vector<std::uint32_t> sorted_landmarks_;
   std::span<const mapping::Descriptor> descriptors_;  // of the vector above, or borrowed

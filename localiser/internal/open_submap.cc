@@ -48,17 +48,26 @@ Result<void> CheckLandmarks(const std::filesystem::path& path, const mapping::Su
 }  // namespace
 
 Result<OpenSubmap> OpenSubmap::Open(const std::filesystem::path& path,
-                                    const mapping::ReleasedSubmap& released,
-                                    const LocaliserOptions& options) {
+                                    const mapping::ReleasedSubmap& released) {
   WAYMARK_TRY(CheckTransform(released));
   WAYMARK_TRY(CheckName(path, released.id));
   WAYMARK_TRY_ASSIGN(mapping::SubmapView view, mapping::SubmapView::Open(path));
   WAYMARK_TRY(CheckLandmarks(path, view));
-  OpenSubmap submap(released, std::make_unique<const mapping::SubmapView>(std::move(view)));
-  submap.localiser_ = std::make_unique<const SubmapLocaliser>(
-      submap.view_->landmarks_in_submap(), submap.view_->descriptors(),
-      submap.view_->observed_landmarks(), options);
-  return submap;
+  return OpenSubmap(released, std::make_shared<const mapping::SubmapView>(std::move(view)));
+}
+
+Result<OpenSubmap> OpenSubmap::PlacedBy(const mapping::ReleasedSubmap& released) const {
+  CHECK(released.id == released_.id, "{} is not {}", released.id.text(), released_.id.text());
+  WAYMARK_TRY(CheckTransform(released));
+  OpenSubmap placed = *this;
+  placed.released_ = released;
+  return placed;
+}
+
+void OpenSubmap::Index(const CoarseQuantiser& quantiser, const LocaliserOptions& options) {
+  localiser_ =
+      std::make_shared<const SubmapLocaliser>(view_->landmarks_in_submap(), view_->descriptors(),
+                                              view_->observed_landmarks(), quantiser, options);
 }
 
 }  // namespace waymark::localiser::internal

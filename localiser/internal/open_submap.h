@@ -11,25 +11,35 @@
 
 namespace waymark::localiser::internal {
 
-/// A submap of the release, mapped and indexed. Immutable, thread-safe.
+/// A submap of the release, mapped and indexed. Immutable once indexed, thread-safe; copies share
+/// everything but the place.
 class OpenSubmap {
  public:
-  /// Errors: those of SubmapView; Corrupt when the bytes are not what the id, their content hash,
-  /// says, when the release gives no usable transform, or when a landmark is not finite.
+  /// Opens without an index. Errors: those of SubmapView; Corrupt when the bytes are not what the
+  /// id, their content hash, says, when the release gives no usable transform, or when a landmark
+  /// is not finite.
   static Result<OpenSubmap> Open(const std::filesystem::path& path,
-                                 const mapping::ReleasedSubmap& released,
-                                 const LocaliserOptions& options);
+                                 const mapping::ReleasedSubmap& released);
+
+  /// The same submap, without reading it again, where another release places it.
+  /// Errors: Corrupt when that release gives no usable transform.
+  Result<OpenSubmap> PlacedBy(const mapping::ReleasedSubmap& released) const;
+
+  /// Makes it searchable by this quantiser's cells. Copies keep the index they have.
+  void Index(const CoarseQuantiser& quantiser, const LocaliserOptions& options);
 
   const mapping::ReleasedSubmap& released() const { return released_; }
+  std::span<const mapping::Descriptor> descriptors() const { return view_->descriptors(); }
+  bool is_indexed() const { return localiser_ != nullptr; }
   const SubmapLocaliser& localiser() const { return *localiser_; }
 
  private:
-  OpenSubmap(mapping::ReleasedSubmap released, std::unique_ptr<const mapping::SubmapView> view)
+  OpenSubmap(mapping::ReleasedSubmap released, std::shared_ptr<const mapping::SubmapView> view)
       : released_(std::move(released)), view_(std::move(view)) {}
 
   mapping::ReleasedSubmap released_;
-  std::unique_ptr<const mapping::SubmapView> view_;  // outlives the localiser, which borrows
-  std::unique_ptr<const SubmapLocaliser> localiser_;
+  std::shared_ptr<const mapping::SubmapView> view_;  // outlives the localiser, which borrows
+  std::shared_ptr<const SubmapLocaliser> localiser_;
 };
 
 }  // namespace waymark::localiser::internal

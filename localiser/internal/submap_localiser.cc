@@ -37,17 +37,17 @@ std::vector<LandmarkMatch> KeepOnePerLandmarkAndPlace(const mapping::ImageFeatur
 SubmapLocaliser::SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_submap,
                                  std::span<const mapping::Descriptor> descriptors,
                                  std::span<const std::uint32_t> observed_landmarks,
-                                 const LocaliserOptions& options)
+                                 const CoarseQuantiser& quantiser, const LocaliserOptions& options)
     : options_(options),
       landmarks_in_submap_(landmarks_in_submap),
-      search_(descriptors, observed_landmarks,
-              LandmarkSearchOptions{.max_ratio = options.max_ratio, .seed = options.seed}) {}
+      search_(descriptors, observed_landmarks, quantiser,
+              LandmarkSearchOptions{.max_ratio = options.max_ratio}) {}
 
 SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
-                                       const CameraModel& camera) const {
+                                       const RankedCells& cells, const CameraModel& camera) const {
   const Stopwatch search_watch;
   const std::vector<LandmarkMatch> matches =
-      KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors));
+      KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors, cells));
   const double search_ms = 1e3 * search_watch.ElapsedS();
   const Stopwatch pose_watch;
   SubmapAnswer answer = EstimatePose(features, camera, matches);

@@ -31,9 +31,11 @@ class SubmapLocaliser {
   SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_submap,
                   std::span<const mapping::Descriptor> descriptors,
                   std::span<const std::uint32_t> observed_landmarks,
-                  const LocaliserOptions& options);
+                  const CoarseQuantiser& quantiser, const LocaliserOptions& options);
 
-  SubmapAnswer Localise(const mapping::ImageFeatures& features, const CameraModel& camera) const;
+  /// The cells are those of the features, ranked by the same quantiser.
+  SubmapAnswer Localise(const mapping::ImageFeatures& features, const RankedCells& cells,
+                        const CameraModel& camera) const;
 
  private:
   SubmapAnswer EstimatePose(const mapping::ImageFeatures& features, const CameraModel& camera,

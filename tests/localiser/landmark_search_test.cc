@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "localiser/internal/coarse_quantiser.h"
+#include "localiser/internal/dot_products.h"
 #include "tests/localiser/random_place.h"
 
 namespace waymark::localiser::internal {
@@ -52,6 +55,21 @@ std::vector<LandmarkMatch> MatchByDefinition(const Database& database,
   return matches;
 }
 
+constexpr LandmarkSearchOptions kWithLists{.exhaustive_below = 0};
+
+CoarseQuantiser Train(const Database& database, std::size_t cells, std::uint64_t seed = 1) {
+  const std::array sets{std::span<const mapping::Descriptor>(database.descriptors)};
+  return CoarseQuantiser::Train(sets, cells, seed);
+}
+
+std::vector<LandmarkMatch> Match(const Database& database,
+                                 std::span<const mapping::Descriptor> features,
+                                 const CoarseQuantiser& quantiser, std::size_t probes,
+                                 const LandmarkSearchOptions& options) {
+  const LandmarkSearch search(database.descriptors, database.landmarks, quantiser, options);
+  return search.Match(features, quantiser.Rank(features, probes));
+}
+
 class LandmarkSearchTest : public testing::Test {
  protected:
   LandmarkSearchTest() {
@@ -65,25 +83,20 @@ class LandmarkSearchTest : public testing::Test {
 };
 
 TEST_F(LandmarkSearchTest, WholeScanIsTheRatioTestAgainstAnotherLandmarkByDefinition) {
-  const LandmarkSearchOptions options{.entries_per_cell = 100};
-  const LandmarkSearch search(database_.descriptors, database_.landmarks, options);
+  const LandmarkSearchOptions options{.whole_scan_cell = 100};
   const auto expected = MatchByDefinition(database_, features_, options);
   EXPECT_GT(expected.size(), 100u);
-  EXPECT_EQ(search.Match(features_), expected);
+  EXPECT_EQ(Match(database_, features_, Train(database_, 1), 1, options), expected);
 }
 
 TEST_F(LandmarkSearchTest, ListsThatAreAllVisitedGiveTheSameAnswer) {
-  const LandmarkSearchOptions options{
-      .exhaustive_below = 0, .entries_per_cell = 100, .probes = 1000};
-  const LandmarkSearch search(database_.descriptors, database_.landmarks, options);
-  EXPECT_EQ(search.Match(features_), MatchByDefinition(database_, features_, options));
+  EXPECT_EQ(Match(database_, features_, Train(database_, 30), 1000, kWithLists),
+            MatchByDefinition(database_, features_, kWithLists));
 }
 
 TEST_F(LandmarkSearchTest, AFewListsAreEnoughForNearlyAllMatches) {
-  const LandmarkSearchOptions options{.exhaustive_below = 0, .entries_per_cell = 64, .probes = 8};
-  const LandmarkSearch search(database_.descriptors, database_.landmarks, options);
-  const auto expected = MatchByDefinition(database_, features_, options);
-  const auto found = search.Match(features_);
+  const auto expected = MatchByDefinition(database_, features_, kWithLists);
+  const auto found = Match(database_, features_, Train(database_, 40), 8, kWithLists);
   std::size_t common = 0;
   for (const LandmarkMatch& match : found) {
     common += std::count_if(expected.begin(), expected.end(), [&](const LandmarkMatch& e) {
@@ -94,10 +107,8 @@ TEST_F(LandmarkSearchTest, AFewListsAreEnoughForNearlyAllMatches) {
 }
 
 TEST_F(LandmarkSearchTest, TheSameSeedGivesTheSameMatches) {
-  const LandmarkSearchOptions options{.exhaustive_below = 0, .entries_per_cell = 64};
-  const LandmarkSearch a(database_.descriptors, database_.landmarks, options);
-  const LandmarkSearch b(database_.descriptors, database_.landmarks, options);
-  EXPECT_EQ(a.Match(features_), b.Match(features_));
+  EXPECT_EQ(Match(database_, features_, Train(database_, 40), 4, kWithLists),
+            Match(database_, features_, Train(database_, 40), 4, kWithLists));
 }
 
 TEST_F(LandmarkSearchTest, TwoLandmarksThatLookTheSameMatchNothing) {
@@ -106,27 +117,63 @@ TEST_F(LandmarkSearchTest, TwoLandmarksThatLookTheSameMatchNothing) {
     doubled.descriptors.push_back(database_.descriptors[i]);
     doubled.landmarks.push_back(database_.landmarks[i] + 900);
   }
-  const LandmarkSearch search(doubled.descriptors, doubled.landmarks, {});
-  EXPECT_TRUE(search.Match(features_).empty());
+  EXPECT_TRUE(Match(doubled, features_, Train(doubled, 4), 4, {}).empty());
 }
 
 TEST(LandmarkSearch, EmptySidesMatchNothing) {
-  const LandmarkSearch empty({}, {}, {});
-  const std::vector<mapping::Descriptor> features(3);
-  EXPECT_TRUE(empty.Match(features).empty());
-  EXPECT_TRUE(empty.Match({}).empty());
   const Database database = MakeDatabase(20, 1);
-  const LandmarkSearch search(database.descriptors, database.landmarks, {});
-  EXPECT_TRUE(search.Match({}).empty());
-  EXPECT_TRUE(search.Match(features).empty()) << "black descriptors are similar to nothing";
+  const CoarseQuantiser quantiser = Train(database, 2);
+  const std::vector<mapping::Descriptor> features(3);
+  for (const LandmarkSearchOptions& options : {LandmarkSearchOptions{}, kWithLists}) {
+    EXPECT_TRUE(Match({}, features, quantiser, 2, options).empty());
+    EXPECT_TRUE(Match(database, {}, quantiser, 2, options).empty());
+    EXPECT_TRUE(Match(database, features, quantiser, 2, options).empty())
+        << "black descriptors are similar to nothing";
+  }
 }
 
-TEST(CoarseQuantiser, GivesAtMostAsManyRepresentativesAsAskedAlsoForEqualDescriptors) {
-  const std::vector<mapping::Descriptor> equal(500, RandomPlace(1).RandomDescriptor());
-  const auto representatives = TrainCoarseQuantiser(equal, 16, 1);
-  EXPECT_GE(representatives.size(), 1u);
-  EXPECT_LE(representatives.size(), 16u);
-  EXPECT_EQ(TrainCoarseQuantiser(std::vector(1, equal[0]), 4, 1).size(), 1u);
+TEST(CoarseQuantiser, GivesAtMostAsManyCellsAsAskedAlsoForEqualDescriptors) {
+  Database equal;
+  equal.descriptors.assign(500, RandomPlace(1).RandomDescriptor());
+  const CoarseQuantiser quantiser = Train(equal, 16);
+  EXPECT_GE(quantiser.size(), 1u);
+  EXPECT_LE(quantiser.size(), 16u);
+  equal.descriptors.resize(1);
+  EXPECT_EQ(Train(equal, 4).size(), 1u);
+}
+
+TEST(CoarseQuantiser, RanksByDotProductAndAssignsTheBest) {
+  const Database database = MakeDatabase(200, 3);
+  const CoarseQuantiser quantiser = Train(database, 25);
+  const auto assigned = quantiser.Assign(database.descriptors);
+  const RankedCells some = quantiser.Rank(database.descriptors, 3);
+  const RankedCells all = quantiser.Rank(database.descriptors, 1000);
+  EXPECT_EQ(all.per_feature, quantiser.size());
+  for (std::size_t i = 0; i < database.descriptors.size(); ++i) {
+    EXPECT_EQ(some.Of(i)[0], assigned[i]);
+    EXPECT_TRUE(std::ranges::equal(some.Of(i), all.Of(i).first(3)));
+  }
+}
+
+TEST(CoarseQuantiser, TrainsOnAllSets) {
+  const Database a = MakeDatabase(50, 1), b = MakeDatabase(70, 2);
+  const std::array<std::span<const mapping::Descriptor>, 4> sets{
+      std::span<const mapping::Descriptor>(), a.descriptors, {}, b.descriptors};
+  EXPECT_GT(CoarseQuantiser::Train(sets, 10, 1).size(), 5u);
+}
+
+TEST(ComputeDots, IsTheDotProduct) {
+  const Database database = MakeDatabase(30, 9);
+  std::vector<std::int32_t> dots(database.descriptors.size());
+  mapping::Descriptor bright;
+  bright.fill(255);
+  for (const mapping::Descriptor& query : {database.descriptors[5], bright}) {
+    ComputeDots(query, database.descriptors, dots);
+    for (std::size_t e = 0; e < dots.size(); ++e) {
+      const auto& entry = database.descriptors[e];
+      EXPECT_EQ(dots[e], std::inner_product(query.begin(), query.end(), entry.begin(), 0));
+    }
+  }
 }
 
 }  // namespace

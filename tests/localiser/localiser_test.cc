@@ -209,6 +209,31 @@ TEST_F(LocaliserTest, AMissingOrDamagedSubmapIsNamed) {
   EXPECT_THAT(missing.error().message, testing::HasSubstr(id.text()));
 }
 
+TEST_F(LocaliserTest, TheNextReleaseSharesWhatItKeepsAndPlacesItAnew) {
+  const SubmapId kept = disk_.Add(place_.Model(), kMapFromSubmap);
+  disk_.Add(RandomPlace(2).Model());
+  const auto before = Open();
+  const LocalisationRequest request = Request(place_.Viewpoint(2, -1));
+  const Localisation was = before->Localise(request);
+  ASSERT_TRUE(was.pose.has_value()) << was.reason;
+
+  disk_.release().epoch = 2;
+  std::erase_if(disk_.release().submaps,
+                [&](const mapping::ReleasedSubmap& submap) { return submap.id != kept; });
+  const Sim3 moved(1.02, RotationFromVector({0, 0, 0.3}), {103, -40, 2});
+  disk_.release().submaps.front().map_from_submap = Similarity<Map, Submap>(moved);
+  std::filesystem::remove(disk_.map().SubmapPath(kept));  // it is not read again
+  const auto after = Localiser::Create(disk_.map(), disk_.release(), {}, before.get());
+  ASSERT_TRUE(after.ok()) << ToString(after.error());
+  const Localisation is = (*after)->Localise(request);
+  ASSERT_TRUE(is.pose.has_value()) << is.reason;
+  EXPECT_EQ(is.epoch, 2u);
+  const Eigen::Vector3d shift =
+      is.pose->map_from_camera.translation() - was.pose->map_from_camera.translation();
+  EXPECT_LT((shift - Eigen::Vector3d(3, 0, 0)).norm(), 1e-9);
+  EXPECT_EQ(before->Localise(request).epoch, was.epoch) << "both answer side by side";
+}
+
 TEST_F(LocaliserTest, AReleaseThatPlacesASubmapNowhereIsCorrupt) {
   disk_.Add(place_.Model(), Sim3(NAN, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()));
   const auto localiser = Localiser::Create(disk_.map(), disk_.release(), {});

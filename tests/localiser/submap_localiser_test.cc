@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <optional>
+
 #include "localiser/internal/pose_acceptance.h"
 #include "tests/localiser/random_place.h"
 
@@ -18,12 +21,19 @@ struct Fixture {
       descriptors.push_back(seen.descriptor);
       observed.push_back(seen.landmark);
     }
-    localiser.emplace(landmarks, descriptors, observed, options);
+    const std::array sets{std::span<const mapping::Descriptor>(descriptors)};
+    quantiser.emplace(CoarseQuantiser::Train(sets, 16, 1));
+    localiser.emplace(landmarks, descriptors, observed, *quantiser, options);
+  }
+
+  SubmapAnswer Localise(const mapping::ImageFeatures& photo) const {
+    return localiser->Localise(photo, quantiser->Rank(photo.descriptors, 8), TestCamera());
   }
 
   std::vector<Eigen::Vector3d> landmarks;
   std::vector<mapping::Descriptor> descriptors;
   std::vector<std::uint32_t> observed;
+  std::optional<CoarseQuantiser> quantiser;
   std::optional<SubmapLocaliser> localiser;
 };
 
@@ -32,7 +42,7 @@ TEST(SubmapLocaliser, FindsWhereAPhotoWasTakenAmongClutter) {
   const Fixture submap(place);
   for (const double east_m : {-6.0, 0.0, 5.0}) {
     const Rigid3 truth = place.Viewpoint(east_m, -2);
-    const SubmapAnswer answer = submap.localiser->Localise(place.Photo(truth, 300), TestCamera());
+    const SubmapAnswer answer = submap.Localise(place.Photo(truth, 300));
     ASSERT_TRUE(answer.submap_from_camera.has_value()) << answer.refusal;
     const Rigid3& pose = answer.submap_from_camera->world_from_camera;
     EXPECT_LT((pose.translation() - truth.translation()).norm(), 0.05);
@@ -46,8 +56,7 @@ TEST(SubmapLocaliser, RefusesPhotosOfOtherPlaces) {
   const Fixture submap(place);
   for (std::uint64_t seed = 2; seed < 22; ++seed) {
     RandomPlace elsewhere(seed);
-    const SubmapAnswer answer =
-        submap.localiser->Localise(elsewhere.Photo(elsewhere.Viewpoint(0), 300), TestCamera());
+    const SubmapAnswer answer = submap.Localise(elsewhere.Photo(elsewhere.Viewpoint(0), 300));
     EXPECT_FALSE(answer.submap_from_camera.has_value()) << "seed " << seed;
     EXPECT_FALSE(answer.refusal.empty());
   }
@@ -58,7 +67,7 @@ TEST(SubmapLocaliser, RefusesMatchesThatAgreeOnNothing) {
   const Fixture submap(place);
   mapping::ImageFeatures shuffled = place.Photo(place.Viewpoint(0), 0);
   std::reverse(shuffled.descriptors.begin(), shuffled.descriptors.end());
-  const SubmapAnswer answer = submap.localiser->Localise(shuffled, TestCamera());
+  const SubmapAnswer answer = submap.Localise(shuffled);
   EXPECT_GT(answer.matches, 100u);
   EXPECT_FALSE(answer.submap_from_camera.has_value());
 }
@@ -67,12 +76,12 @@ TEST(SubmapLocaliser, FeaturesOfOnePlaceCountOnce) {
   RandomPlace place(1);
   const Fixture submap(place);
   mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 0);
-  const std::size_t once = submap.localiser->Localise(photo, TestCamera()).matches;
+  const std::size_t once = submap.Localise(photo).matches;
   const mapping::ImageFeatures copy = photo;
   photo.keypoints.insert(photo.keypoints.end(), copy.keypoints.begin(), copy.keypoints.end());
   photo.descriptors.insert(photo.descriptors.end(), copy.descriptors.begin(),
                            copy.descriptors.end());
-  EXPECT_EQ(submap.localiser->Localise(photo, TestCamera()).matches, once);
+  EXPECT_EQ(submap.Localise(photo).matches, once);
 }
 
 TEST(PoseAcceptance, ChanceExplainsFewInliersAmongManyMatchesButNotAmongFew) {

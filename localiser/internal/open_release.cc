@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "localiser/internal/open_release.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "mapping/base/parallel.h"
+
+namespace waymark::localiser::internal {
+namespace {
+
+constexpr std::size_t kEntriesPerCell = 128;  // balances ranking cells with scanning them
+constexpr std::size_t kMaxCells = 4096;
+
+std::size_t WantedCells(std::span<const OpenSubmap> submaps) {
+  std::size_t largest = 0;
+  for (const OpenSubmap& submap : submaps) {
+    largest = std::max(largest, submap.descriptors().size());
+  }
+  return std::clamp<std::size_t>(largest / kEntriesPerCell, 1, kMaxCells);
+}
+
+std::shared_ptr<const CoarseQuantiser> Train(std::span<const OpenSubmap> submaps,
+                                             const LocaliserOptions& options) {
+  std::vector<std::span<const mapping::Descriptor>> sets;
+  std::size_t descriptors = 0;
+  for (const OpenSubmap& submap : submaps) {
+    sets.push_back(submap.descriptors());
+    descriptors += sets.back().size();
+  }
+  if (descriptors == 0) {
+    return std::make_shared<const CoarseQuantiser>(std::vector<mapping::Descriptor>(1));
+  }
+  return std::make_shared<const CoarseQuantiser>(
+      CoarseQuantiser::Train(sets, WantedCells(submaps), options.seed));
+}
+
+}  // namespace
+
+Result<std::vector<OpenSubmap>> OpenSubmaps(const mapping::MapDirectory& map,
+                                            const mapping::Release& release,
+                                            std::span<const OpenSubmap> shared) {
+  std::map<SubmapId, const OpenSubmap*> known;
+  for (const OpenSubmap& submap : shared) known.emplace(submap.released().id, &submap);
+  std::vector<std::optional<Result<OpenSubmap>>> outcomes(release.submaps.size());
+  ParallelFor(outcomes.size(), {}, [&](std::size_t i) {
+    const mapping::ReleasedSubmap& released = release.submaps[i];
+    const auto found = known.find(released.id);
+    outcomes[i] = found != known.end() ? found->second->PlacedBy(released)
+                                       : OpenSubmap::Open(map.SubmapPath(released.id), released);
+  });
+  std::vector<OpenSubmap> submaps;
+  for (auto& outcome : outcomes) {
+    WAYMARK_TRY_ASSIGN(OpenSubmap submap, *std::move(outcome));
+    submaps.push_back(std::move(submap));
+  }
+  return submaps;
+}
+
+std::shared_ptr<const CoarseQuantiser> IndexSubmaps(std::vector<OpenSubmap>& submaps,
+                                                    std::shared_ptr<const CoarseQuantiser> before,
+                                                    const LocaliserOptions& options) {
+  constexpr std::size_t kTooCoarse = 4;  // times fewer cells than wanted
+  const bool is_fine = before != nullptr && WantedCells(submaps) <= kTooCoarse * before->size();
+  const auto quantiser = is_fine ? std::move(before) : Train(submaps, options);
+  ParallelFor(submaps.size(), {}, [&](std::size_t i) {
+    if (submaps[i].is_indexed() && is_fine) return;
+    submaps[i].Index(*quantiser, options);
+  });
+  return quantiser;
+}
+
+}  // namespace waymark::localiser::internal
