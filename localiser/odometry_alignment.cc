@@ -104,6 +104,19 @@ void OdometryAlignment::AddFix(const MapFix& fix) {
 
 void OdometryAlignment::ResetOdometry() { fixes_.clear(); }
 
+std::optional<Transform<Map, Map>> OdometryAlignment::CarryTo(
+    const std::map<SubmapId, Similarity<Map, Submap>>& placements) {
+  std::erase_if(fixes_, [&](const MapFix& fix) { return !placements.contains(fix.submap); });
+  std::optional<Transform<Map, Map>> motion;
+  for (MapFix& fix : fixes_) {  // oldest first: the newest has the last word
+    const Transform<Map, Device> before = fix.map_from_device;
+    fix.map_from_device =
+        CarryPose(placements.at(fix.submap), fix.submap_from_camera) * fix.camera_from_device;
+    motion = fix.map_from_device * before.Inverse();
+  }
+  return motion;
+}
+
 Alignment OdometryAlignment::Estimate(DeviceTime now) const {
   if (fixes_.empty()) return {};
   std::vector<internal::WeightedFix> weighted;

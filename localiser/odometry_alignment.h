@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 
 #include "mapping/base/id.h"
@@ -23,7 +24,10 @@ struct MapFix {
   Transform<Map, Device> map_from_device;  ///< the answer
   Eigen::Matrix<double, 6, 6> covariance;  ///< of Perturb's delta in the map frame
   SubmapId submap;                         ///< for carrying the fix to later releases
-  Transform<Submap, Device> submap_from_device;
+  /// The camera that took it, apart from the device: a submap has a scale, and the way from camera
+  /// to device has none.
+  Transform<Submap, Camera> submap_from_camera;
+  Transform<Camera, Device> camera_from_device;
 };
 
 /// What the alignment may turn. Odometry and map both know gravity, so two angles are settled.
@@ -75,6 +79,10 @@ class OdometryAlignment {
   void AddFix(const MapFix& fix);
   /// The odometry lost its frame (app paused, tracking reset): earlier fixes mean nothing now.
   void ResetOdometry();
+  /// Another release of the map is live: each fix goes where its submap does, those in submaps that
+  /// are not told are forgotten. Returns how the newest fix that stays moved; nullopt: none stays.
+  std::optional<Transform<Map, Map>> CarryTo(
+      const std::map<SubmapId, Similarity<Map, Submap>>& placements);
   /// The best alignment as of `now`. Deterministic; 0.2 ms with 32 fixes, so call it after a
   /// new fix rather than for every frame.
   Alignment Estimate(DeviceTime now) const;

@@ -100,11 +100,13 @@ struct DeviceStatistics {
   int fixes = 0;
   int refusals = 0;  ///< the server answered "not localised" or "busy"
   int timeouts = 0;
-  int joins = 0;  ///< 1, and one more for every time the server had to be found again
+  int map_changes = 0;  ///< another release of the map went live meanwhile
+  int joins = 0;        ///< 1, and one more for every time the server had to be found again
   std::vector<double> fix_latency_ms;  ///< image pushed until fix applied
 };
 
-/// The map that the room stands in.
+/// The map that the room stands in. When another release goes live, pose, anchors and epoch change
+/// together between two calls; content keeps its place before the phone.
 struct SessionMap {
   std::string id;
   bool is_geo_aligned = true;

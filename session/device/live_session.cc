@@ -174,8 +174,11 @@ void LiveSession::On(const Welcome& welcome) {
   if (before && (before->map.map != welcome.map.map || before->map.epoch != welcome.map.epoch)) {
     tracker_.Reset();  // the fixes are in the frame of another release
   }
-  if (!before || before->run != welcome.run) session_clock_.Clear();
-  view_.StartRun(welcome.run);
+  if (!before || before->run != welcome.run) {
+    session_clock_.Clear();
+    last_swap_ = 0;
+  }
+  view_.StartRun(welcome.run, welcome.map.epoch);
 }
 
 void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, SessionNow()); }
@@ -183,14 +186,37 @@ void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, S
 void LiveSession::On(const LocaliseAnswer& answer) {
   const std::optional<ImageDesk::Match> match = images_.TakeMatch(answer.request);
   if (!match) return;
-  if (!answer.pose || answer.epoch != join_.welcome()->map.epoch) {
+  const std::optional<localiser::LocalisedPose> pose = InLiveMap(answer);
+  if (!pose) {
     ++statistics_.refusals;
     return;
   }
-  tracker_.AddFix(match->frame, *answer.pose);
+  tracker_.AddFix(match->frame, *pose);
   ++statistics_.fixes;
   statistics_.fix_latency_ms.push_back(1e3 *
                                        Seconds(std::chrono::steady_clock::now() - match->pushed));
+}
+
+// An answer may come from the release before: its submap carries it over.
+std::optional<localiser::LocalisedPose> LiveSession::InLiveMap(const LocaliseAnswer& answer) const {
+  if (!answer.pose || answer.epoch == join_.welcome()->map.epoch) return answer.pose;
+  const auto placed = placements_.find(answer.pose->submap);
+  if (placed == placements_.end()) return std::nullopt;
+  localiser::LocalisedPose pose = *answer.pose;
+  pose.map_from_camera = CarryPose(placed->second, pose.submap_from_camera);
+  return pose;
+}
+
+void LiveSession::On(const MapState& state) {
+  const auto& welcome = join_.welcome();
+  if (!welcome || state.run != welcome->run || state.swap <= last_swap_) return;
+  last_swap_ = state.swap;
+  placements_ = state.placements;
+  if (state.epoch == welcome->map.epoch) return;  // welcomed after it
+  join_.SetEpoch(state.epoch);
+  (void)tracker_.CarryTo(state.placements);
+  view_.CarryTo(state.epoch, state.placements);
+  ++statistics_.map_changes;
 }
 
 void LiveSession::On(const CommandReply& reply) {

@@ -55,7 +55,8 @@ void PoseTracker::AddFix(const SentFrame& frame, const localiser::LocalisedPose&
                      .map_from_device = pose.map_from_camera * camera_from_device,
                      .covariance = CarryCovariance(pose.covariance, lever_in_map),
                      .submap = pose.submap,
-                     .submap_from_device = pose.submap_from_camera * camera_from_device});
+                     .submap_from_camera = pose.submap_from_camera,
+                     .camera_from_device = camera_from_device});
   Refresh(std::max(frame.time, time_));
 }
 
@@ -63,6 +64,17 @@ void PoseTracker::Reset() {
   alignment_.ResetOdometry();
   current_ = {};
   shown_map_from_vo_.reset();
+}
+
+bool PoseTracker::CarryTo(const Placements& placements) {
+  const std::optional<Transform<Map, Map>> motion = alignment_.CarryTo(placements);
+  if (!motion) {
+    Reset();
+    return false;
+  }
+  if (shown_map_from_vo_) shown_map_from_vo_ = *motion * *shown_map_from_vo_;
+  Refresh(time_);
+  return true;
 }
 
 void PoseTracker::Refresh(DeviceTime now) { current_ = alignment_.Estimate(now); }

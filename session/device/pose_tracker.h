@@ -29,6 +29,9 @@ class PoseTracker {
   void AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose);
   /// Forgets all fixes: the odometry or the map has another frame now.
   void Reset();
+  /// Another release is live: fixes and the shown pose go where their submaps do, so that what is
+  /// shown stays where it is for those who look. False, and reset: no fix is in a submap told.
+  bool CarryTo(const Placements& placements);
   /// Lets the alignment age; about a millisecond, so not for every frame.
   void Refresh(DeviceTime now);
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/device/room_view.h"
 
+#include "session/state/carrying.h"
+
 namespace waymark::session {
 namespace {
 
@@ -20,7 +22,9 @@ SharedAnchor ToShared(const RoomAnchor& anchor) {
           .is_supported = anchor.is_supported};
 }
 
-void RoomView::StartRun(RunId run) {
+void RoomView::StartRun(RunId run, std::uint64_t epoch) {
+  epoch_ = epoch;
+  for (auto& [id, held] : anchors_) held.shown = held.anchor;
   if (run == run_) return;
   run_ = run;
   has_snapshot_ = false;
@@ -103,16 +107,32 @@ void RoomView::Count(const HeldAnchor& held, bool is_added) {
   if (held.delivery == delivery_) count(of_delivery_);
 }
 
+void RoomView::CarryTo(std::uint64_t epoch, const Placements& placements) {
+  epoch_ = epoch;
+  for (auto& [id, held] : anchors_) {
+    if (held.anchor.record.epoch == epoch) {
+      held.shown = held.anchor;
+      continue;
+    }
+    const RoomAnchor carried = CarryAnchor(held.anchor.record, epoch, placements);
+    if (carried.is_supported) held.shown = carried;
+  }
+}
+
 void RoomView::Hold(RunId run, const RoomAnchor& anchor) {
   const AnchorId& id = anchor.record.id;
+  RoomAnchor shown = anchor;
   if (const auto found = anchors_.find(id); found != anchors_.end()) {
     // Another run than the present one is the next one, whose welcome is still on its way.
     const bool is_older =
         found->second.run == run && found->second.anchor.record.revision > anchor.record.revision;
     if (is_older) return;
     Count(found->second, false);
+    // In the frame of a release that this device has not heard of yet: it would seem to jump.
+    const bool is_early = anchor.record.epoch != epoch_ && found->second.run == run;
+    if (is_early) shown = found->second.shown;
   }
-  const HeldAnchor held{run, anchor, delivery_};
+  const HeldAnchor held{run, anchor, std::move(shown), delivery_};
   Count(held, true);
   anchors_.insert_or_assign(id, held);
 }
@@ -163,7 +183,7 @@ void RoomView::CheckSnapshot() {
 std::vector<SharedAnchor> RoomView::Anchors() const {
   std::vector<SharedAnchor> anchors;
   anchors.reserve(anchors_.size());
-  for (const auto& [id, held] : anchors_) anchors.push_back(ToShared(held.anchor));
+  for (const auto& [id, held] : anchors_) anchors.push_back(ToShared(held.shown));
   return anchors;
 }
 

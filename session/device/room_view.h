@@ -20,8 +20,11 @@ class RoomView {
  public:
   explicit RoomView(const DeviceId& self) : self_(self) {}
 
-  /// The server answered, in this run. A new run begins a new snapshot.
-  void StartRun(RunId run);
+  /// The server answered, in this run and with this release live. A new run begins a new snapshot.
+  void StartRun(RunId run, std::uint64_t epoch);
+  /// Another release is live. Anchors that came already in its frame are shown so from now on, the
+  /// others are carried by their submaps, or wait to come.
+  void CarryTo(std::uint64_t epoch, const Placements& placements);
   /// Everything is about to be delivered anew: what is not, is over.
   void BeginResync();
 
@@ -48,7 +51,8 @@ class RoomView {
   };
   struct HeldAnchor {
     RunId run{};
-    RoomAnchor anchor;
+    RoomAnchor anchor;  ///< the latest
+    RoomAnchor shown;   ///< in the frame that the device's pose is in, as far as known
     std::uint32_t delivery = 0;
   };
   /// Count and digest of some anchors.
@@ -64,6 +68,7 @@ class RoomView {
 
   DeviceId self_;
   RunId run_{};
+  std::uint64_t epoch_ = 0;
   std::map<DeviceId, Other> others_;
   std::map<DeviceNumber, DeviceId> numbers_;  // of the present run
   std::map<AnchorId, HeldAnchor> anchors_;

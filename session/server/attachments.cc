@@ -66,20 +66,12 @@ std::vector<content::SubmapAttachment> AttachToSubmaps(
   return attachments;
 }
 
-RoomAnchor CarryToRelease(const content::AnchorRecord& record, const mapping::Release& release) {
-  RoomAnchor anchor{.record = record, .is_supported = false};
-  for (const content::SubmapAttachment& attachment : record.attachments) {
-    const ReleasedSubmap* const submap = FindSubmap(release, attachment.submap);
-    if (submap == nullptr) continue;
-    anchor.is_supported = true;
-    if (record.epoch != release.epoch) {
-      anchor.record.map_from_anchor =
-          CarryPose(submap->map_from_submap, attachment.submap_from_anchor);
-    }
-    break;
+Placements PlacementsOf(const mapping::Release& release) {
+  Placements placements;
+  for (const ReleasedSubmap& submap : release.submaps) {
+    placements.emplace(submap.id, submap.map_from_submap);
   }
-  anchor.record.epoch = release.epoch;
-  return anchor;
+  return placements;
 }
 
 }  // namespace waymark::session

@@ -16,8 +16,7 @@ std::vector<content::SubmapAttachment> AttachToSubmaps(
     const Transform<Map, Anchor>& map_from_anchor, std::span<const SubmapId> seen_in,
     const mapping::Release& release);
 
-/// The anchor in the map of a release: carried exactly by the first of its submaps that is still
-/// there. If none is, it stays where it was and is unsupported.
-RoomAnchor CarryToRelease(const content::AnchorRecord& record, const mapping::Release& release);
+/// Where all submaps of a release lie.
+Placements PlacementsOf(const mapping::Release& release);
 
 }  // namespace waymark::session

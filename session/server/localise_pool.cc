@@ -44,7 +44,8 @@ Result<void> LocalisePoolOptions::Validate() const {
 
 LocalisePool::LocalisePool(const LocalisePoolOptions& options, LocaliseFunction localise,
                            std::function<void(LocaliseAnswer)> deliver)
-    : options_(options), localise_(std::move(localise)), deliver_(std::move(deliver)) {
+    : options_(options), deliver_(std::move(deliver)) {
+  SetLocalise(std::move(localise));
   for (int i = 0; i < options_.threads; ++i) threads_.emplace_back([this] { Work(); });
 }
 
@@ -79,6 +80,12 @@ void LocalisePool::Submit(const DeviceId& device, LocaliseQuery query) {
   changed_.notify_one();
 }
 
+void LocalisePool::SetLocalise(LocaliseFunction localise) {
+  auto shared = std::make_shared<const LocaliseFunction>(std::move(localise));
+  const std::lock_guard lock(mutex_);
+  localise_ = std::move(shared);
+}
+
 void LocalisePool::Refuse(const Job& job, const char* reason) const {
   deliver_(LocaliseAnswer{.device = job.device,
                           .request = job.query.request,
@@ -97,13 +104,15 @@ void LocalisePool::Work() {
     if (is_stopping_) return;
     const Job job = std::move(queue_.front());
     queue_.pop_front();
+    std::shared_ptr<const LocaliseFunction> localise = localise_;
     lock.unlock();
-    deliver_(Answer(job));
+    deliver_(Answer(job, *localise));
+    localise.reset();  // the last to use a release closes it
     lock.lock();
   }
 }
 
-LocaliseAnswer LocalisePool::Answer(const Job& job) const {
+LocaliseAnswer LocalisePool::Answer(const Job& job, const LocaliseFunction& localise) const {
   LocaliseAnswer answer{.device = job.device,
                         .request = job.query.request,
                         .status = LocaliseStatus::kInvalidImage,
@@ -112,7 +121,7 @@ LocaliseAnswer LocalisePool::Answer(const Job& job) const {
                         .pose = std::nullopt,
                         .queue_ms = MillisecondsSince(job.arrived),
                         .times = {}};
-  Result<localiser::Localisation> localisation = localise_(job.query);
+  Result<localiser::Localisation> localisation = localise(job.query);
   if (!localisation.ok()) {
     answer.reason = ToString(localisation.error());
     return answer;

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -36,6 +37,8 @@ class LocalisePool {
   ~LocalisePool();  ///< finishes what is under way, drops the queue
 
   void Submit(const DeviceId& device, LocaliseQuery query);
+  /// Images taken up from now on are answered by this.
+  void SetLocalise(LocaliseFunction localise);
 
  private:
   struct Job {
@@ -45,13 +48,13 @@ class LocalisePool {
   };
 
   void Work();
-  LocaliseAnswer Answer(const Job& job) const;
+  LocaliseAnswer Answer(const Job& job, const LocaliseFunction& localise) const;
   void Refuse(const Job& job, const char* reason) const;
 
   const LocalisePoolOptions options_;
-  const LocaliseFunction localise_;
   const std::function<void(LocaliseAnswer)> deliver_;
   std::mutex mutex_;
+  std::shared_ptr<const LocaliseFunction> localise_;  // guarded by mutex_
   std::condition_variable changed_;
   std::deque<Job> queue_;     // guarded by mutex_
   bool is_stopping_ = false;  // guarded by mutex_

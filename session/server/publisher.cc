@@ -70,6 +70,17 @@ void Publisher::Do(const effect::PublishRoomState& effect, ServerTime) {
   LogFailure(bus_.Publish(effect.state.room, effect.state));
 }
 
+void Publisher::Do(const effect::PublishMapState& effect, ServerTime) {
+  LogFailure(bus_.Publish(effect.state.room, effect.state));
+}
+
+void Publisher::Do(const effect::ReportSwap& effect, ServerTime) {
+  ++counters_.swaps;
+  LogInfo(
+      "epoch {} is served: {} anchors of open rooms carried, by {:.3f} m at most; {} unsupported",
+      effect.epoch, effect.carried, effect.max_motion_m, effect.unsupported);
+}
+
 void Publisher::Do(const effect::SendReply& effect, ServerTime) {
   // A device that left does not hear it; what it wanted is done all the same.
   (void)bus_.Send(effect.reply);

@@ -28,6 +28,8 @@ class Publisher {
   void Do(const effect::PublishAnchor& effect, ServerTime now);
   void Do(const effect::WithdrawAnchor& effect, ServerTime now);
   void Do(const effect::PublishRoomState& effect, ServerTime now);
+  void Do(const effect::PublishMapState& effect, ServerTime now);
+  void Do(const effect::ReportSwap& effect, ServerTime now);
   void Do(const effect::SendReply& effect, ServerTime now);
 
   /// Closes and forgets what has been over for long enough.

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "mapping/base/log.h"
+#include "session/server/attachments.h"
 #include "session/server/publisher.h"
 #include "session/server/store_workers.h"
 #include "session/wire/inbox.h"
@@ -54,12 +55,13 @@ class Server::Loop {
                {.map = parts.map.id,
                 .is_geo_aligned = parts.map.is_geo_aligned,
                 .origin = parts.map.origin,
-                .epoch = parts.release.epoch}),
-        store_(std::move(parts.store), parts.release, parts.map.origin,
+                .epoch = parts.served.release.epoch},
+               std::make_shared<const Placements>(PlacementsOf(parts.served.release))),
+        store_(std::move(parts.store), parts.served.release, parts.map.origin,
                [this](Event event) {
                  inbox_.Push({Now(), std::move(event)});
                }),
-        pool_(options.localise, std::move(parts.localise), [this](LocaliseAnswer answer) {
+        pool_(options.localise, std::move(parts.served.localise), [this](LocaliseAnswer answer) {
           inbox_.Push({Now(), std::move(answer)});
         }) {}
 
@@ -72,6 +74,8 @@ class Server::Loop {
     thread_ = std::thread([this] { Work(); });
     return {};
   }
+
+  void Swap(ServedRelease served) { inbox_.Push({Now(), std::move(served)}); }
 
   ServerCounters Stop() {
     if (thread_.joinable()) {
@@ -93,7 +97,7 @@ class Server::Loop {
  private:
   struct Item {
     ServerTime arrived;
-    std::variant<wire::Upward, Event, LocaliseAnswer> content;
+    std::variant<wire::Upward, Event, LocaliseAnswer, ServedRelease> content;
   };
 
   // Called on DDS threads.
@@ -122,8 +126,10 @@ class Server::Loop {
             std::visit([&](auto& message) { On(std::move(message), item.arrived); }, content);
           } else if constexpr (std::is_same_v<Content, Event>) {
             Apply(content);
-          } else {
+          } else if constexpr (std::is_same_v<Content, LocaliseAnswer>) {
             Deliver(content);
+          } else {
+            GoOver(std::move(content));
           }
         },
         item.content);
@@ -160,8 +166,17 @@ class Server::Loop {
     pool_.Submit(member->device, std::move(query));
   }
 
+  void GoOver(ServedRelease served) {
+    const std::uint64_t epoch = served.release.epoch;
+    const auto placements = std::make_shared<const Placements>(PlacementsOf(served.release));
+    store_.SetRelease(std::move(served.release));
+    pool_.SetLocalise(std::move(served.localise));
+    Apply(event::ReleaseSwapped{epoch, placements});
+  }
+
   void Deliver(const LocaliseAnswer& answer) {
     if (answer.status == LocaliseStatus::kLocalised) ++counters_.localised;
+    if (answer.pose) Apply(event::Localised{answer.device, answer.pose->submap});
     if (answer.status == LocaliseStatus::kBusy) ++counters_.busy;
     (void)bus_->Send(answer);  // a device that left does not hear it
   }
@@ -208,10 +223,10 @@ Result<void> ServerOptions::Validate() const {
 std::string ToString(const ServerCounters& counters) {
   return fmt::format(
       "{} joins, {} departures, {} poses, {} pose batches, {} images ({} localised, {} busy), {} "
-      "anchor commands ({} written), {} messages rejected, {} dropped",
+      "anchor commands ({} written), {} releases swapped, {} messages rejected, {} dropped",
       counters.joins, counters.departures, counters.poses, counters.pose_batches, counters.images,
       counters.localised, counters.busy, counters.anchor_commands, counters.anchor_changes,
-      counters.rejected_messages, counters.dropped_messages);
+      counters.swaps, counters.rejected_messages, counters.dropped_messages);
 }
 
 Server::Server(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
@@ -224,6 +239,7 @@ Result<std::unique_ptr<Server>> Server::Start(const ServerOptions& options, Serv
   return std::unique_ptr<Server>(new Server(std::move(loop)));
 }
 
+void Server::Swap(ServedRelease served) { loop_->Swap(std::move(served)); }
 ServerCounters Server::Stop() { return loop_->Stop(); }
 
 }  // namespace waymark::session

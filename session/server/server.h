@@ -25,12 +25,17 @@ struct ServerOptions {
   Result<void> Validate() const;
 };
 
+/// A release, and who finds images in it.
+struct ServedRelease {
+  mapping::Release release;
+  LocaliseFunction localise;
+};
+
 /// What a server serves.
 struct ServerParts {
   mapping::MapDescription map;
-  mapping::Release release;
+  ServedRelease served;
   std::unique_ptr<content::AnchorStore> store;
-  LocaliseFunction localise;
 };
 
 /// Since the start.
@@ -44,6 +49,7 @@ struct ServerCounters {
   std::uint64_t busy = 0;
   std::uint64_t anchor_commands = 0;
   std::uint64_t anchor_changes = 0;
+  std::uint64_t swaps = 0;              ///< of the release
   std::uint64_t rejected_messages = 0;  ///< did not decode
   std::uint64_t dropped_messages = 0;   ///< the inbox was full
 };
@@ -58,6 +64,11 @@ class Server {
   /// Errors: InvalidArgument, Conflict (another server has the domain), Unavailable.
   static Result<std::unique_ptr<Server>> Start(const ServerOptions& options, ServerParts parts);
   ~Server();  ///< as Stop
+
+  /// Goes over to another release of the map, or back: nobody is cut off, anchors and the devices'
+  /// fixes are carried by their submaps. Returns at once; images under way are answered in the
+  /// release they were asked in. From any thread.
+  void Swap(ServedRelease served);
 
   /// Ends serving; what was under way in the store is finished first. Call it once from any thread.
   ServerCounters Stop();

@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "session/server/attachments.h"
+#include "session/state/carrying.h"
 
 namespace waymark::session {
 namespace {
@@ -22,13 +23,10 @@ const std::string& OrderKey(const StoreWorkers::Task& task) {
 
 }  // namespace
 
-StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store,
-                           const mapping::Release& release, const GeoPoint& map_origin,
-                           std::function<void(Event)> report)
-    : store_(std::move(store)),
-      release_(release),
-      map_plane_(map_origin),
-      report_(std::move(report)) {
+StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
+                           const GeoPoint& map_origin, std::function<void(Event)> report)
+    : store_(std::move(store)), map_plane_(map_origin), report_(std::move(report)) {
+  SetRelease(std::move(release));
   for (Worker& worker : workers_) worker.thread = std::thread([&] { Work(worker); });
 }
 
@@ -40,6 +38,13 @@ void StoreWorkers::Submit(Task task) {
   if (is_finishing_) return;
   worker.tasks.push_back(std::move(task));
   worker.changed.notify_one();
+}
+
+void StoreWorkers::SetRelease(mapping::Release release) {
+  Placements placements = PlacementsOf(release);
+  auto live = std::make_shared<const Live>(std::move(release), std::move(placements));
+  const std::lock_guard lock(mutex_);
+  live_ = std::move(live);
 }
 
 void StoreWorkers::Finish() {
@@ -60,42 +65,49 @@ void StoreWorkers::Work(Worker& worker) {
     if (worker.tasks.empty()) return;
     const Task task = std::move(worker.tasks.front());
     worker.tasks.pop_front();
+    const std::shared_ptr<const Live> live = live_;
     lock.unlock();
-    report_(std::visit([this](const auto& wanted) { return Do(wanted); }, task));
+    report_(std::visit([&](const auto& wanted) { return Do(wanted, *live); }, task));
     lock.lock();
   }
 }
 
-Event StoreWorkers::Do(const effect::LoadRoom& task) {
+Event StoreWorkers::Do(const effect::LoadRoom& task, const Live& live) {
+  const auto in_map = [&](const content::AnchorRecord& record) {
+    return CarryAnchor(record, live.release.epoch, live.placements);
+  };
   const Result<content::RoomSnapshot> snapshot = store_->LoadRoom(task.room);
   if (!snapshot.ok()) return event::RoomLoaded{task.room, snapshot.error(), {}};
   event::RoomLoaded loaded{task.room, snapshot->revision, {}};
   for (const content::AnchorRecord& record : snapshot->anchors) {
-    loaded.anchors.push_back(CarryToRelease(record, release_));
+    loaded.anchors.push_back(in_map(record));
   }
   return loaded;
 }
 
-Event StoreWorkers::Do(const effect::WriteAnchor& task) {
-  Result<content::WriteOutcome> outcome = Write(task);
+Event StoreWorkers::Do(const effect::WriteAnchor& task, const Live& live) {
+  const auto in_map = [&](const content::AnchorRecord& record) {
+    return CarryAnchor(record, live.release.epoch, live.placements);
+  };
+  Result<content::WriteOutcome> outcome = Write(task, live);
   if (!outcome.ok()) return event::WriteFinished{task.write, outcome.error()};
   if (const auto* record = std::get_if<content::AnchorRecord>(&*outcome)) {
-    return event::WriteFinished{task.write,
-                                event::WriteFinished::Applied{CarryToRelease(*record, release_)}};
+    return event::WriteFinished{task.write, event::WriteFinished::Applied{in_map(*record)}};
   }
   event::WriteFinished::Conflict conflict;
   if (const auto& current = std::get<content::WriteConflict>(*outcome).current) {
-    conflict.current = CarryToRelease(*current, release_);
+    conflict.current = in_map(*current);
   }
   return event::WriteFinished{task.write, std::move(conflict)};
 }
 
-Result<content::WriteOutcome> StoreWorkers::Write(const effect::WriteAnchor& task) {
+Result<content::WriteOutcome> StoreWorkers::Write(const effect::WriteAnchor& task,
+                                                  const Live& live) {
   if (task.operation == AnchorOperation::kDelete) {
     return store_->Delete(task.record.room, task.record.id, task.expected_revision);
   }
   content::AnchorRecord record = task.record;
-  record.attachments = AttachToSubmaps(record.map_from_anchor, task.seen_in, release_);
+  record.attachments = AttachToSubmaps(record.map_from_anchor, task.seen_in, live.release);
   record.place = map_plane_.ToGeo(Point<Map>(record.map_from_anchor.translation()));
   record.changed_utc_ms = UtcMilliseconds();
   if (task.operation == AnchorOperation::kMove) {

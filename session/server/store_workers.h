@@ -26,13 +26,15 @@ class StoreWorkers {
   using Task = std::variant<effect::LoadRoom, effect::WriteAnchor>;
 
   /// `report` gets RoomLoaded or WriteFinished for each task, on a worker's thread.
-  StoreWorkers(std::unique_ptr<content::AnchorStore> store, const mapping::Release& release,
+  StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
                const GeoPoint& map_origin, std::function<void(Event)> report);
   StoreWorkers(const StoreWorkers&) = delete;
   StoreWorkers& operator=(const StoreWorkers&) = delete;
   ~StoreWorkers();  ///< after Finish
 
   void Submit(Task task);
+  /// What is begun from now on is done in this release.
+  void SetRelease(mapping::Release release);
   /// Takes no more, does what was submitted, and returns when all of it is reported.
   void Finish();
 
@@ -46,15 +48,21 @@ class StoreWorkers {
   static constexpr std::size_t kWorkers = 4;
 
   void Work(Worker& worker);
-  Event Do(const effect::LoadRoom& task);
-  Event Do(const effect::WriteAnchor& task);
-  Result<content::WriteOutcome> Write(const effect::WriteAnchor& task);
+  /// A release with its submaps by name.
+  struct Live {
+    mapping::Release release;
+    Placements placements;
+  };
+
+  Event Do(const effect::LoadRoom& task, const Live& live);
+  Event Do(const effect::WriteAnchor& task, const Live& live);
+  Result<content::WriteOutcome> Write(const effect::WriteAnchor& task, const Live& live);
 
   const std::unique_ptr<content::AnchorStore> store_;
-  const mapping::Release release_;
   const TangentPlane map_plane_;
   const std::function<void(Event)> report_;
   std::mutex mutex_;
+  std::shared_ptr<const Live> live_;      // guarded by mutex_
   std::array<Worker, kWorkers> workers_;  // their tasks are guarded by mutex_
   bool is_finishing_ = false;             // guarded by mutex_
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -53,6 +54,16 @@ struct WriteFinished {
   WriteNumber write{};
   Result<std::variant<Applied, Conflict>> outcome;
 };
+/// An image of the device was found in a submap.
+struct Localised {
+  DeviceId device;
+  SubmapId submap;
+};
+/// Another release is live.
+struct ReleaseSwapped {
+  std::uint64_t epoch = 1;
+  std::shared_ptr<const Placements> placements;  ///< of all its submaps
+};
 /// Time has passed; comes at the tick rate.
 struct Ticked {};
 
@@ -60,7 +71,8 @@ struct Ticked {};
 
 using Event =
     std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
-                 event::CommandReceived, event::RoomLoaded, event::WriteFinished, event::Ticked>;
+                 event::CommandReceived, event::RoomLoaded, event::WriteFinished, event::Localised,
+                 event::ReleaseSwapped, event::Ticked>;
 
 namespace effect {
 
@@ -106,6 +118,16 @@ struct WithdrawAnchor {
 struct PublishRoomState {
   RoomState state;
 };
+struct PublishMapState {
+  MapState state;
+};
+/// What a swap did to the anchors of all open rooms; for the log.
+struct ReportSwap {
+  std::uint64_t epoch = 1;
+  std::size_t carried = 0;
+  std::size_t unsupported = 0;
+  double max_motion_m = 0;
+};
 /// Write to the store and report event::WriteFinished. What only the store's side knows
 /// (attachments to submaps, place, times) is filled in there.
 struct WriteAnchor {
@@ -125,6 +147,7 @@ using Effect =
     std::variant<effect::LoadRoom, effect::OpenRoom, effect::CloseRoom, effect::SendWelcome,
                  effect::CloseDevice, effect::PublishPresence, effect::WithdrawPresence,
                  effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
-                 effect::PublishRoomState, effect::WriteAnchor, effect::SendReply>;
+                 effect::PublishRoomState, effect::PublishMapState, effect::ReportSwap,
+                 effect::WriteAnchor, effect::SendReply>;
 
 }  // namespace waymark::session

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -29,6 +30,7 @@ inline constexpr std::size_t kMaxKindBytes = 255;
 inline constexpr std::size_t kMaxReasonBytes = 255;
 inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
+inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
 inline constexpr std::size_t kMaxPosesPerBatch = 27;  ///< 27 * 48 octets fit one fragment
 inline constexpr double kMaxCoordinate_m = 1e6;
@@ -190,6 +192,20 @@ struct RoomState {
 
 /// What an anchor in this state adds to the digest of its room.
 std::uint64_t AnchorDigest(const AnchorId& anchor, std::uint64_t revision);
+
+// ---- releases ---------------------------------------------------------------------------------
+
+/// Where submaps lie in a release.
+using Placements = std::map<SubmapId, Similarity<Map, Submap>>;
+
+/// Another release went live under the room.
+struct MapState {
+  RoomId room;
+  RunId run{};
+  std::uint32_t swap = 0;  ///< counts the changes in this run; a rollback counts up too
+  std::uint64_t epoch = 1;
+  Placements placements = {};  ///< of the submaps that fixes and anchors of the room hold on to
+};
 
 // ---- clock ------------------------------------------------------------------------------------
 

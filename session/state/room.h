@@ -23,6 +23,7 @@ struct RoomMember {
   ServerTime last_heard;
   std::optional<LivePose> pose;
   bool pose_is_new = false;
+  std::deque<SubmapId> found_in = {};  ///< by its latest images, newest first
   ServerTime pose_published;
   std::set<Uuid> under_way;           ///< commands that wait for the store
   std::deque<CommandReply> answered;  ///< oldest first, for repetitions

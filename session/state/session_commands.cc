@@ -14,7 +14,7 @@ constexpr std::size_t kRememberedReplies = 64;  // twice what may be under way
 }  // namespace
 
 void SessionState::On(const event::CommandReceived& event, Step& step) {
-  const AnchorCommand& command = event.command;
+  const AnchorCommand command = InLiveMap(event.command);
   RoomMember* const member = FindHeard(command.ticket, step.now);
   if (member == nullptr || member->under_way.contains(command.request)) return;
   const auto answered =
@@ -77,14 +77,16 @@ void SessionState::On(const event::WriteFinished& event, Step& step) {
       room.Remove(write.intended.id, applied->anchor.record.revision);
       step.effects.push_back(effect::WithdrawAnchor{id, write.intended.id});
     } else {
-      room.Put(applied->anchor);
-      step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, applied->anchor}});
-      verdict.current = applied->anchor;
+      const RoomAnchor anchor = InLiveMap(applied->anchor);
+      room.Put(anchor);
+      step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, anchor}});
+      verdict.current = anchor;
     }
     PublishState(id, room, step);
   } else {
-    verdict = DecideConflict(write.operation, write.intended,
-                             std::get<event::WriteFinished::Conflict>(*event.outcome).current);
+    auto current = std::get<event::WriteFinished::Conflict>(*event.outcome).current;
+    if (current) current = InLiveMap(*current);
+    verdict = DecideConflict(write.operation, write.intended, current);
   }
   const auto member = members_.find(write.device);
   if (member == members_.end()) return;  // left meanwhile; what was written stays

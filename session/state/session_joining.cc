@@ -117,7 +117,8 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
   room.waiting.clear();
   room.revision = *event.revision;
   step.effects.push_back(effect::OpenRoom{event.room});
-  for (const RoomAnchor& anchor : event.anchors) {
+  for (const RoomAnchor& loaded : event.anchors) {
+    const RoomAnchor anchor = InLiveMap(loaded);
     room.Put(anchor);
     step.effects.push_back(effect::PublishAnchor{event.room, AnchorState{run_, anchor}});
   }

@@ -17,8 +17,9 @@ Result<void> StateOptions::Validate() const {
   return {};
 }
 
-SessionState::SessionState(const StateOptions& options, RunId run, const MapIdentity& map)
-    : options_(options), run_(run), map_(map) {}
+SessionState::SessionState(const StateOptions& options, RunId run, const MapIdentity& map,
+                           std::shared_ptr<const Placements> placements)
+    : options_(options), run_(run), map_(map), placements_(std::move(placements)) {}
 
 std::vector<Effect> SessionState::Apply(const Event& event, ServerTime now) {
   Step step{now, {}};

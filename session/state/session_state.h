@@ -30,7 +30,10 @@ struct StateOptions {
 /// them replays a session. No clock, thread, socket or randomness inside. Thread-compatible.
 class SessionState {
  public:
-  SessionState(const StateOptions& options, RunId run, const MapIdentity& map);
+  /// `placements` are those of the map's release; without them what devices said just before a
+  /// first swap cannot be carried.
+  SessionState(const StateOptions& options, RunId run, const MapIdentity& map,
+               std::shared_ptr<const Placements> placements = nullptr);
 
   std::vector<Effect> Apply(const Event& event, ServerTime now);
 
@@ -59,6 +62,8 @@ class SessionState {
   void On(const event::CommandReceived& event, Step& step);
   void On(const event::RoomLoaded& event, Step& step);
   void On(const event::WriteFinished& event, Step& step);
+  void On(const event::Localised& event, Step& step);
+  void On(const event::ReleaseSwapped& event, Step& step);
   void On(const event::Ticked& event, Step& step);
 
   void Admit(const event::HelloReceived& event, Step& step);
@@ -69,6 +74,9 @@ class SessionState {
   void CloseIdleRooms(Step& step);
   void PublishPoses(const RoomId& id, const Room& room, Step& step);
   void PublishState(const RoomId& id, const Room& room, Step& step);
+  void PublishMap(const RoomId& id, const Room& room, Step& step);
+  RoomAnchor InLiveMap(const RoomAnchor& anchor) const;
+  AnchorCommand InLiveMap(const AnchorCommand& command) const;
   void Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
               const CommandVerdict& verdict, Step& step);
   RoomMember* FindHeard(Ticket ticket, ServerTime now);
@@ -76,6 +84,10 @@ class SessionState {
   StateOptions options_;
   RunId run_;
   MapIdentity map_;
+  std::shared_ptr<const Placements> placements_;         ///< of the live release, if known
+  std::shared_ptr<const Placements> placements_before_;  ///< of the release before, if known
+  std::uint64_t epoch_before_ = 0;
+  std::uint32_t swaps_ = 0;
   std::map<RoomId, Room> rooms_;
   std::map<DeviceId, RoomMember> members_;
   std::map<Ticket, DeviceId> tickets_;

@@ -12,6 +12,7 @@
 #include "content_store/anchor_store.h"
 #include "mapping/base/log.h"
 #include "session/server/map_localiser.h"
+#include "session/server/release_watcher.h"
 #include "session/server/server.h"
 
 namespace waymark::session {
@@ -74,18 +75,21 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY_ASSIGN(const FileLock map_lock, LockServed(map.folder(), map.ServeLockPath()));
   WAYMARK_TRY_ASSIGN(auto store, content::OpenStore(arguments.store));
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
-  WAYMARK_TRY_ASSIGN(const auto server,
-                     Server::Start(arguments.server, {.map = map.description(),
-                                                      .release = release,
-                                                      .store = std::move(store),
-                                                      .localise = MakeLocaliseFunction(
-                                                          localiser, map.description())}));
+  WAYMARK_TRY_ASSIGN(
+      const auto server,
+      Server::Start(arguments.server,
+                    {.map = map.description(),
+                     .served = {release, MakeLocaliseFunction(localiser, map.description())},
+                     .store = std::move(store)}));
   fmt::print("ready pid={} domain={} address={} map={} epoch={} submaps={}\n", ::getpid(),
              arguments.server.dds_domain, arguments.server.address, map.description().id,
              release.epoch, release.submaps.size());
   std::fflush(stdout);
-  int signal = 0;
-  ::sigwait(&end_signals, &signal);
+  {
+    const ReleaseWatcher watcher(map, localiser, *server);
+    int signal = 0;
+    ::sigwait(&end_signals, &signal);
+  }
   fmt::print("ended: {}\n", ToString(server->Stop()));
   return {};
 }

@@ -69,6 +69,7 @@ struct DeviceBus::Impl {
           handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
         }));
     WAYMARK_TRY(Listen<RoomState>(partition, handler));
+    WAYMARK_TRY(Listen<MapState>(partition, handler));
     return Listen<PoseBatch>(partition, handler);
   }
 

@@ -21,7 +21,7 @@ struct AnchorGone {
 
 /// Anything the server may say.
 using Downward = std::variant<Welcome, Presence, DeviceGone, PoseBatch, LocaliseAnswer, AnchorState,
-                              AnchorGone, CommandReply, RoomState, ClockPong>;
+                              AnchorGone, CommandReply, RoomState, MapState, ClockPong>;
 
 /// A device's end of the star. Messages arrive, already checked, on DDS threads: the handler only
 /// enqueues. Sending is thread-safe.

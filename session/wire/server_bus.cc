@@ -15,6 +15,7 @@ struct RoomWriters {
   dds::Writer poses;
   dds::Writer anchors;
   dds::Writer state;
+  dds::Writer map;
 };
 
 struct DeviceWriters {
@@ -117,8 +118,9 @@ Result<void> ServerBus::OpenRoom(const RoomId& room) {
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseBatch>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto anchors, MakeWriter<AnchorState>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto state, MakeWriter<RoomState>(participant, partition));
+  WAYMARK_TRY_ASSIGN(auto map, MakeWriter<MapState>(participant, partition));
   impl_->rooms.emplace(room, RoomWriters{std::move(presence), std::move(poses), std::move(anchors),
-                                         std::move(state)});
+                                         std::move(state), std::move(map)});
   return {};
 }
 
@@ -150,6 +152,10 @@ Result<void> ServerBus::Publish(const RoomId& room, const AnchorState& state) {
 }
 Result<void> ServerBus::Publish(const RoomId& room, const RoomState& state) {
   return impl_->WriteTo(room, &RoomWriters::state, state);
+}
+
+Result<void> ServerBus::Publish(const RoomId& room, const MapState& state) {
+  return impl_->WriteTo(room, &RoomWriters::map, state);
 }
 
 Result<void> ServerBus::Withdraw(const RoomId& room, const DeviceId& device) {

@@ -39,6 +39,7 @@ class ServerBus {
   Result<void> Publish(const RoomId& room, const PoseBatch& batch);
   Result<void> Publish(const RoomId& room, const AnchorState& state);
   Result<void> Publish(const RoomId& room, const RoomState& state);
+  Result<void> Publish(const RoomId& room, const MapState& state);
 
   /// Tells the room that it is over. `Forget`, some time later, frees the trace of it that the
   /// history keeps for late joiners; too soon, and a reader with losses would miss the end.

@@ -64,6 +64,11 @@ Topic TopicOf<RoomState>() {
           History::kForLateJoiners, 1};
 }
 template <>
+Topic TopicOf<MapState>() {
+  return {"waymark/1/map_state", &waymark_MapState_desc, Delivery::kReliable,
+          History::kForLateJoiners, 1};
+}
+template <>
 Topic TopicOf<ClockPing>() {
   return {"waymark/1/clock_ping", &waymark_ClockPing_desc, Delivery::kBestEffort, History::kNone,
           1};

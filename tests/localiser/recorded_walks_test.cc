@@ -66,7 +66,8 @@ MapFix FixFrom(const Sighting& sighting, const Rigid3& map_from_tag) {
           .map_from_device = Transform<Map, Device>(map_from_device),
           .covariance = covariance,
           .submap = SubmapId("tags"),
-          .submap_from_device = Transform<Submap, Device>(map_from_device)};
+          .submap_from_camera = Transform<Submap, Camera>(map_from_device),
+          .camera_from_device = {}};
 }
 
 TEST(RecordedWalks, SlidingAlignmentBeatsTheBestSingleOneDespiteGrossErrors) {

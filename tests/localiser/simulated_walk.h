@@ -57,7 +57,8 @@ class SimulatedWalk {
             .map_from_device = Transform<Map, Device>(map_from_device),
             .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
             .submap = SubmapId("a"),
-            .submap_from_device = Transform<Submap, Device>(map_from_device)};
+            .submap_from_camera = Transform<Submap, Camera>(map_from_device),
+            .camera_from_device = {}};
   }
   /// How far the phone's content is off right now.
   double PositionError(const Alignment& alignment, double seconds) const {

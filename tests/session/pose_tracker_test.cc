@@ -98,5 +98,29 @@ TEST(PoseTracker, CorrectionsNeverJump) {
   EXPECT_LT(tracker.Pose(1).covariance(0, 0), before) << "what was still to come was uncertainty";
 }
 
+TEST(PoseTracker, IsCarriedToAnotherReleaseAtOnceOrForgets) {
+  PoseTracker tracker({}, {.max_speed_mps = 0.01});
+  const Transform<Submap, Camera> submap_from_camera(Eigen::Quaterniond::Identity(), {3, 0, 0});
+  tracker.AddFix({.request = {},
+                  .time = DeviceTime{seconds(1)},
+                  .device_from_camera = {},
+                  .vo_from_device = {}},
+                 {.map_from_camera = {Eigen::Quaterniond::Identity(), {3, 0, 0}},
+                  .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+                  .submap = SubmapId("s"),
+                  .submap_from_camera = submap_from_camera,
+                  .inliers = 50,
+                  .rms_px = 1});
+  tracker.PushOdometry({}, DeviceTime{seconds(2)});
+  const Sim3 place(1, RotationFromVector({0, 0, 0.2}), {1, 2, 0});
+  EXPECT_TRUE(tracker.CarryTo({{SubmapId("s"), Similarity<Map, Submap>(place)}}));
+  ASSERT_TRUE(tracker.Pose(2).map_from_device);
+  const Rigid3 expected = CarryPose(place, submap_from_camera.rigid());
+  EXPECT_LT(Difference(tracker.Pose(2).map_from_device->rigid(), expected).norm(), 1e-9)
+      << "a change of frame is no correction, which would walk";
+  EXPECT_FALSE(tracker.CarryTo({}));
+  EXPECT_FALSE(tracker.Pose(3).map_from_device);
+}
+
 }  // namespace
 }  // namespace waymark::session

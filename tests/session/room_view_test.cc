@@ -33,7 +33,7 @@ RoomState RoomOf(std::initializer_list<std::pair<int, std::uint64_t>> anchors, R
 
 class View : public testing::Test {
  protected:
-  View() { view_.StartRun(kRun); }
+  View() { view_.StartRun(kRun, 1); }
 
   std::vector<std::string> Ids() const {
     std::vector<std::string> ids;
@@ -81,7 +81,7 @@ TEST_F(View, ANewRunKeepsTheOldAnchorsUntilItIsComplete) {
   view_.On(RoomOf({{1, 10}, {2, 11}}));
   ASSERT_TRUE(view_.HasSnapshot());
   view_.On(State(1, 10, kNextRun));  // before its welcome
-  view_.StartRun(kNextRun);
+  view_.StartRun(kNextRun, 1);
   EXPECT_FALSE(view_.HasSnapshot());
   EXPECT_THAT(Ids(), SizeIs(2)) << "content does not flicker";
   view_.On(RoomOf({{1, 10}}, kNextRun));
@@ -124,6 +124,36 @@ TEST_F(View, OthersComeMoveAndGo) {
   view_.OnGone(ben_, kNow);
   EXPECT_FALSE(view_.Others(kNow)[0].is_present);
   EXPECT_THAT(view_.Others(kNow + seconds(31)), IsEmpty());
+}
+
+/// An anchor at x in the frame of a release, held by submap "a" at 7.
+AnchorState AttachedAt(double x, std::uint64_t epoch, std::uint64_t revision) {
+  AnchorState state = State(1, revision);
+  state.anchor.record.epoch = epoch;
+  state.anchor.record.map_from_anchor = {Eigen::Quaterniond::Identity(), {x, 0, 0}};
+  state.anchor.record.attachments = {{SubmapId("a"), {Eigen::Quaterniond::Identity(), {7, 0, 0}}}};
+  return state;
+}
+
+TEST_F(View, AnchorsChangeFrameTogetherWithTheDevice) {
+  const Placements moved{{SubmapId("a"), Similarity<Map, Submap>(Sim3(
+                                             1, Eigen::Quaterniond::Identity(), {0.5, 0, 0}))}};
+  const auto shown_x = [&] { return view_.Anchors()[0].map_from_anchor.translation().x(); };
+  view_.On(AttachedAt(7, 1, 10));
+  view_.On(AttachedAt(7.5, 2, 10));  // before this device heard of the new release
+  EXPECT_EQ(shown_x(), 7);
+  EXPECT_EQ(view_.Anchors()[0].epoch, 1u);
+  view_.CarryTo(2, moved);
+  EXPECT_EQ(shown_x(), 7.5);
+  EXPECT_EQ(view_.Anchors()[0].epoch, 2u);
+
+  view_.CarryTo(3, {{SubmapId("a"), Similarity<Map, Submap>(
+                                        Sim3(1, Eigen::Quaterniond::Identity(), {-1, 0, 0}))}});
+  EXPECT_EQ(shown_x(), 6) << "carried here, before the server's word comes";
+  view_.CarryTo(4, {});
+  EXPECT_EQ(view_.Anchors()[0].epoch, 3u) << "nothing is known: it waits";
+  view_.On(AttachedAt(9, 4, 10));
+  EXPECT_EQ(shown_x(), 9);
 }
 
 }  // namespace

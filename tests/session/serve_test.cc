@@ -72,6 +72,26 @@ TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
   EXPECT_THAT(server.ReadLine(), AllOf(StartsWith("ended: 1 joins"), HasSubstr("0 localised")));
 }
 
+TEST_F(Serve, GoesOverToWhateverReleaseIsLive) {
+  MakeEmptyMap();
+  Peer server(Arguments(), WAYMARK_SERVE);
+  ASSERT_THAT(server.line(), HasSubstr("epoch=1"));
+  const auto anna = Join("Anna");
+  EXPECT_EQ(anna->DescribeMap().epoch, 1u);
+  const auto map = mapping::MapDirectory::Open(MapPath());
+  mapping::Release release;
+  release.epoch = 2;
+  release.parent_epoch = 1;
+  release.created_utc = "2024-01-02T00:00:00Z";
+  ASSERT_TRUE(map->StoreRelease(release).ok());
+  ASSERT_TRUE(map->Deploy(2).ok());
+  EXPECT_TRUE(Eventually([&] { return anna->DescribeMap().epoch == 2; }));
+  ASSERT_TRUE(map->Deploy(1).ok());  // a rollback
+  EXPECT_TRUE(Eventually([&] { return anna->DescribeMap().epoch == 1; }));
+  EXPECT_EQ(anna->Statistics().joins, 1);
+  EXPECT_EQ(server.Terminate(), 0);
+}
+
 TEST_F(Serve, SaysWhatIsMissing) {
   Peer without_map(Arguments(), WAYMARK_SERVE);
   EXPECT_THAT(without_map.line(), HasSubstr(MapPath().string()));

@@ -6,6 +6,7 @@
 
 #include "session/server/attachments.h"
 #include "session/server/localise_pool.h"
+#include "session/state/carrying.h"
 #include "session/wire/inbox.h"
 #include "tests/support/random_geometry.h"
 
@@ -177,12 +178,12 @@ TEST(Attachments, CarryTheAnchorExactlyToTheNextRelease) {
   record.attachments = AttachToSubmaps(record.map_from_anchor, {}, before);
   ASSERT_THAT(Ids(record.attachments), ElementsAre("a", "b", "c"));
 
-  const RoomAnchor same = CarryToRelease(record, before);
+  const RoomAnchor same = CarryAnchor(record, before.epoch, PlacementsOf(before));
   EXPECT_TRUE(same.is_supported);
   EXPECT_THAT(same.record.map_from_anchor.rigid(), Near(record.map_from_anchor.rigid()));
 
   after.submaps.erase(after.submaps.begin());  // "a" is gone: "b" carries it
-  const RoomAnchor carried = CarryToRelease(record, after);
+  const RoomAnchor carried = CarryAnchor(record, after.epoch, PlacementsOf(after));
   EXPECT_TRUE(carried.is_supported);
   EXPECT_EQ(carried.record.epoch, 2u);
   EXPECT_THAT(
@@ -191,7 +192,7 @@ TEST(Attachments, CarryTheAnchorExactlyToTheNextRelease) {
                .rigid()));
 
   after.submaps.erase(after.submaps.begin(), after.submaps.begin() + 2);
-  const RoomAnchor orphan = CarryToRelease(record, after);
+  const RoomAnchor orphan = CarryAnchor(record, after.epoch, PlacementsOf(after));
   EXPECT_FALSE(orphan.is_supported);
   EXPECT_THAT(orphan.record.map_from_anchor.rigid(), Near(record.map_from_anchor.rigid()))
       << "it is not moved by guesswork";

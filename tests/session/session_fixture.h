@@ -91,9 +91,8 @@ inline ServerParts MakeParts(const mapping::Release& release,
   return {.map = {.id = "3f2504e0-4f89-41d3-9a0c-0305e82c3301",
                   .origin = MapOrigin(),
                   .options_json = "{}"},
-          .release = release,
-          .store = std::move(store),
-          .localise = BelievePrior(release)};
+          .served = {release, BelievePrior(release)},
+          .store = std::move(store)};
 }
 
 /// A server on loopback with a store that outlives it, on a DDS domain of this process's own.

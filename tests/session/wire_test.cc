@@ -175,6 +175,32 @@ TEST(Wire, AnchorsComeBack) {
   EXPECT_EQ(room->anchor_digest, 5u);
 }
 
+TEST(Wire, MapStatesKeepEveryPlacementExactly) {
+  support::RandomGeometry random(11);
+  MapState state{.room = RoomId("square"), .run = RunId{1}, .swap = 2, .epoch = 3};
+  for (int i = 0; i < 300; ++i) {
+    state.placements.emplace(
+        SubmapId(fmt::format("submap{:03}", i)),
+        Similarity<Map, Submap>(Sim3(1 + 0.001 * i, random.Rotation(), Eigen::Vector3d(i, 2, 3))));
+  }
+  const auto returned = Return(state);
+  ASSERT_TRUE(returned.ok()) << ToString(returned.error());
+  EXPECT_EQ(returned->epoch, 3u);
+  EXPECT_EQ(returned->swap, 2u);
+  ASSERT_EQ(returned->placements.size(), kMaxPlacements);
+  for (const auto& [submap, placed] : returned->placements) {
+    const Sim3& sent = state.placements.at(submap).sim();
+    EXPECT_EQ(placed.sim().scale(), sent.scale());
+    EXPECT_EQ(placed.sim().translation(), sent.translation());
+    EXPECT_LT(AngleBetween(placed.sim().rotation(), sent.rotation()).radians(), 1e-12);
+  }
+  state.placements.clear();
+  state.placements.emplace(
+      SubmapId("flat"),
+      Similarity<Map, Submap>(Sim3(0, Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero())));
+  EXPECT_FALSE(Return(state).ok()) << "a submap without size";
+}
+
 TEST(Wire, LongTextIsCutBetweenCharacters) {
   Hello hello = MakeHello();
   hello.name = std::string(63, 'x') + "ä";  // 65 bytes

@@ -36,6 +36,8 @@ class JoinDesk {
 
   Outcome On(const Welcome& welcome, Instant now);
   void OnPong(const ClockPong& pong, Instant now);
+  /// Another release is live; requires a welcome.
+  void SetEpoch(std::uint64_t epoch) { welcome_->map.epoch = epoch; }
 
   std::uint32_t attempt() const { return attempt_; }
   /// The latest acceptance; absent before the first.

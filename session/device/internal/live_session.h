@@ -64,9 +64,11 @@ class LiveSession final : public DeviceSession {
   void On(const wire::AnchorGone& gone) { view_.OnGone(gone.anchor); }
   void On(const CommandReply& reply);
   void On(const RoomState& state) { view_.On(state); }
+  void On(const MapState& state);
   void On(const ClockPong& pong);
   void On(const WakeUp&) {}
 
+  std::optional<localiser::LocalisedPose> InLiveMap(const LocaliseAnswer& answer) const;
   LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
   Result<CommandReply> Perform(AnchorCommand command);
   DevicePose CurrentPose() const;  // with mutex_ held
@@ -88,6 +90,8 @@ class LiveSession final : public DeviceSession {
   StampClock stamp_clock_;
   PoseTracker tracker_;
   RoomView view_;
+  std::uint32_t last_swap_ = 0;  // of the present run
+  Placements placements_;        // of the live release, as told with its swap
   DeviceStatistics statistics_;
   std::optional<Welcome> refusal_;
   std::uint32_t next_ping_number_ = 0;

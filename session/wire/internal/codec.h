@@ -33,6 +33,9 @@ Result<CommandReply> Decode(const waymark_CommandReply& wire);
 waymark_RoomState Encode(const RoomState& state, Scratch& scratch);
 Result<RoomState> Decode(const waymark_RoomState& wire);
 
+waymark_MapState Encode(const MapState& state, Scratch& scratch);
+Result<MapState> Decode(const waymark_MapState& wire);
+
 waymark_ClockPing Encode(const ClockPing& ping, Scratch& scratch);
 Result<ClockPing> Decode(const waymark_ClockPing& wire);
 waymark_ClockPong Encode(const ClockPong& pong, Scratch& scratch);

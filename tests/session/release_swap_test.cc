@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Another release goes live under a session: nothing moves for those who are there.
+#include <array>
+
+#include "tests/session/session_fixture.h"
+
+namespace waymark::session {
+namespace {
+
+using support::Eventually;
+using support::StandingPhone;
+
+const Transform<Device, Anchor> kAhead{Eigen::Quaterniond::Identity(), {2, 0, 0}};
+
+class ReleaseSwap : public support::SessionTest {
+ protected:
+  void SwapTo(std::uint64_t epoch) {
+    const mapping::Release release = support::MakeRelease(epoch);
+    server_->Swap({release, support::BelievePrior(release)});
+  }
+
+  static std::optional<SharedAnchor> FindAnchor(const DeviceSession& session, const AnchorId& id) {
+    for (const SharedAnchor& anchor : session.Anchors()) {
+      if (anchor.id == id) return anchor;
+    }
+    return std::nullopt;
+  }
+
+  /// Where the phone shows the anchor, in its own axes; asked again when the release changed
+  /// between the questions.
+  static Rigid3 Look(const DeviceSession& session, const AnchorId& id) {
+    while (true) {
+      const DevicePose pose = session.Pose();
+      const auto anchor = FindAnchor(session, id);
+      if (session.Pose().epoch != pose.epoch) continue;
+      EXPECT_TRUE(pose.map_from_device && anchor);
+      EXPECT_EQ(anchor->epoch, pose.epoch) << "pose and anchors change together";
+      return pose.map_from_device->rigid().Inverse() * anchor->map_from_anchor.rigid();
+    }
+  }
+};
+
+TEST_F(ReleaseSwap, NothingMovesForThoseWhoAreThere) {
+  StartServer(support::MakeRelease(1));
+  const auto anna = Join("Anna"), ben = Join("Ben");
+  StandingPhone anna_phone(*anna, {3, 4, 1}), ben_phone(*ben, {6, 1, 1});
+  ASSERT_TRUE(anna_phone.Localise() && ben_phone.Localise());
+  const auto placed = anna->PlaceAnchor(kAhead, "note", "hello");
+  ASSERT_TRUE(placed.ok()) << ToString(placed.error());
+  ASSERT_TRUE(Eventually([&] { return FindAnchor(*ben, placed->id).has_value(); }));
+  const std::array sessions{anna.get(), ben.get()};
+  const std::array seen{Look(*anna, placed->id), Look(*ben, placed->id)};
+
+  for (const std::uint64_t epoch : {2u, 3u, 1u}) {  // the last is a rollback
+    SwapTo(epoch);
+    const auto have_gone_over = [&] {
+      for (std::size_t i = 0; i < sessions.size(); ++i) {
+        const Rigid3 now = Look(*sessions[i], placed->id);
+        EXPECT_LT(Difference(seen[i], now).norm(), 1e-6) << "epoch " << epoch;
+        EXPECT_EQ(sessions[i]->Pose().state, localiser::AlignmentState::kFixed);
+      }
+      return anna->DescribeMap().epoch == epoch && ben->DescribeMap().epoch == epoch;
+    };
+    ASSERT_TRUE(Eventually(have_gone_over));
+    const double east_m = 5.0 * (static_cast<double>(epoch) - 1);  // the submap went there
+    const auto anchor = FindAnchor(*ben, placed->id);
+    EXPECT_LT((anchor->map_from_anchor.translation() - placed->map_from_anchor.translation() -
+               Eigen::Vector3d(east_m, 0, 0))
+                  .norm(),
+              1e-9);
+    EXPECT_TRUE(anchor->is_supported);
+  }
+  EXPECT_EQ(anna->Statistics().map_changes, 3);
+  EXPECT_EQ(anna->Statistics().joins, 1) << "nobody was cut off";
+  EXPECT_EQ(StopServer().swaps, 3u);
+}
+
+TEST_F(ReleaseSwap, IsSurvivedByBadLinks) {
+  options_.transmit_loss_per_mille = device_loss_per_mille_ = 150;
+  StartServer(support::MakeRelease(1));
+  const auto anna = Join("Anna");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  const auto placed = anna->PlaceAnchor(kAhead, "note", "hello");
+  ASSERT_TRUE(placed.ok()) << ToString(placed.error());
+  const Rigid3 seen = Look(*anna, placed->id);
+  SwapTo(2);
+  ASSERT_TRUE(Eventually([&] {
+    EXPECT_LT(Difference(seen, Look(*anna, placed->id)).norm(), 1e-6);
+    return anna->DescribeMap().epoch == 2;
+  }));
+}
+
+TEST_F(ReleaseSwap, WhatWasSaidJustBeforeIsUnderstood) {
+  StartServer(support::MakeRelease(1));
+  const auto anna = Join("Anna");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  const auto placed = anna->PlaceAnchor(kAhead, "note", "hello");
+  ASSERT_TRUE(placed.ok());
+  SwapTo(2);
+  ASSERT_TRUE(Eventually([&] { return anna->DescribeMap().epoch == 2; }));
+  // The application still thinks in the frame of the release before.
+  const Transform<Map, Anchor> there(Eigen::Quaterniond::Identity(), {6, 6, 2});
+  const auto moved = anna->MoveAnchor(*placed, there);
+  ASSERT_TRUE(moved.ok()) << ToString(moved.error());
+  EXPECT_EQ(moved->epoch, 2u);
+  EXPECT_LT((moved->map_from_anchor.translation() - Eigen::Vector3d(11, 6, 2)).norm(), 1e-9);
+}
+
+TEST_F(ReleaseSwap, WhoComesLaterStandsInTheNewRelease) {
+  StartServer(support::MakeRelease(1));
+  const auto anna = Join("Anna");
+  StandingPhone anna_phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(anna_phone.Localise());
+  const auto placed = anna->PlaceAnchor(kAhead, "note", "hello");
+  ASSERT_TRUE(placed.ok());
+  SwapTo(2);
+  ASSERT_TRUE(Eventually([&] { return anna->DescribeMap().epoch == 2; }));
+  const auto late = Join("Late");
+  EXPECT_EQ(late->DescribeMap().epoch, 2u);
+  ASSERT_TRUE(Eventually([&] { return late->HasSnapshot(); }));
+  EXPECT_EQ(FindAnchor(*late, placed->id)->epoch, 2u);
+  StandingPhone late_phone(*late, {6, 1, 1});
+  ASSERT_TRUE(late_phone.Localise());
+  EXPECT_TRUE(Eventually([&] {
+    anna_phone.Live();
+    for (const OtherDevice& other : late->Others()) {
+      if (other.id == anna->id() && other.map_from_device) return other.epoch == 2;
+    }
+    return false;
+  })) << "poses are shared again at once";
+  EXPECT_EQ(late->Statistics().map_changes, 0);
+}
+
+}  // namespace
+}  // namespace waymark::session
