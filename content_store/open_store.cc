@@ -33,6 +33,10 @@ Result<void> StoreOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "busy_timeout_s: expected 0 to 3600, found {}",
                      busy_timeout_s);
   }
+  if (checkpoint_pages < 100 || checkpoint_pages > 1'000'000) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "checkpoint_pages: expected 100 to 1000000, found {}", checkpoint_pages);
+  }
   return limits.Validate();
 }
 

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "content_store/anchor_store.h"
+#include "content_store/internal/cell_index.h"
 #include "content_store/internal/record_codec.h"
 
 namespace waymark::content::internal {
@@ -51,9 +52,9 @@ enum class ScanOrder { kCell, kChanged };
 
 struct Scan {
   ScanOrder order = ScanOrder::kCell;
-  std::optional<RoomId> room{};      ///< absent: public anchors of all rooms, by cell
-  std::int64_t first = 0, last = 0;  ///< keys, both included
-  std::uint64_t newest = 0;          ///< anchors changed after this revision are left out
+  std::optional<RoomId> room{};  ///< absent: public anchors of all rooms, by cell
+  CellRanges ranges{};           ///< of keys, ascending, both ends included
+  std::uint64_t newest = 0;      ///< anchors changed after this revision are left out
   Position after{};
   std::size_t limit = 0;
 };
@@ -102,7 +103,7 @@ class AnchorTables {
   virtual std::vector<LogRow> FindLatest(const std::vector<AnchorKey>& keys) = 0;
   /// The states of those revisions that are there, in any order.
   virtual std::vector<LogRow> LoadStates(const std::vector<std::uint64_t>& revisions) = 0;
-  /// Live anchors in order of their position.
+  /// Live anchors in order of their position, the first `limit`.
   virtual std::vector<Position> FindPlaces(const Scan& scan) = 0;
   /// Live anchors of a room by id, after an id: revisions.
   virtual std::vector<std::uint64_t> ListRoom(const RoomId& room) = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -38,27 +39,23 @@ std::vector<Hint> FindHints(AnchorTables& tables, const RoomId& room, const Cell
                             double radius_m, std::size_t limit) {
   std::vector<Hint> hints;
   std::size_t trim_at = std::min<std::size_t>(limit, 1'000'000'000) * 2 + kScanned;
-  const std::uint64_t newest = tables.LatestRevision();
-  for (const auto& [first, last] : CoverCircle(middle, radius_m)) {
-    Scan scan{.order = ScanOrder::kCell,
-              .room = room,
-              .first = first,
-              .last = last,
-              .newest = newest,
-              .after = {},
-              .limit = kScanned};
-    for (bool is_more = true; is_more;) {
-      const std::vector<Position> found = tables.FindPlaces(scan);
-      is_more = found.size() == scan.limit;
-      if (is_more) scan.after = found.back();
-      for (const Position& position : found) {
-        const double distance_m = RoughDistance(middle, CentreOf(position.key));
-        if (distance_m <= LargestRough(radius_m)) hints.push_back({distance_m, position.revision});
-      }
-      if (hints.size() > trim_at) {
-        Trim(hints, limit);
-        trim_at = 2 * hints.size() + kScanned;
-      }
+  Scan scan{.order = ScanOrder::kCell,
+            .room = room,
+            .ranges = CoverCircle(middle, radius_m),
+            .newest = std::numeric_limits<std::uint64_t>::max(),
+            .after = {},
+            .limit = kScanned};
+  for (bool is_more = true; is_more;) {
+    const std::vector<Position> found = tables.FindPlaces(scan);
+    is_more = found.size() == scan.limit;
+    if (is_more) scan.after = found.back();
+    for (const Position& position : found) {
+      const double distance_m = RoughDistance(middle, CentreOf(position.key));
+      if (distance_m <= LargestRough(radius_m)) hints.push_back({distance_m, position.revision});
+    }
+    if (hints.size() > trim_at) {
+      Trim(hints, limit);
+      trim_at = 2 * hints.size() + kScanned;
     }
   }
   Trim(hints, limit);

@@ -61,22 +61,17 @@ class PageSearch {
     } else if (query_.changed->from_utc_ms < query_.changed->until_utc_ms) {
       ranges = {{query_.changed->from_utc_ms, query_.changed->until_utc_ms - 1}};
     }
-    for (const auto& [first, last] : ranges) {
-      if (last < after_.key) continue;
-      Scan scan{.order = order_,
-                .room = query_.room,
-                .first = first,
-                .last = last,
-                .newest = as_of_,
-                .after = after_,
-                .limit = query_.limit + 1};
-      for (bool is_more = true; is_more && found.size() <= query_.limit;) {
-        const std::vector<Position> positions = tables_.FindPlaces(scan);
-        is_more = positions.size() == scan.limit;
-        if (is_more) scan.after = positions.back();
-        WAYMARK_TRY(AddMatches(positions, found));
-      }
-      if (found.size() > query_.limit) break;
+    Scan scan{.order = order_,
+              .room = query_.room,
+              .ranges = std::move(ranges),
+              .newest = as_of_,
+              .after = after_,
+              .limit = query_.limit + 1};
+    for (bool is_more = true; is_more && found.size() <= query_.limit;) {
+      const std::vector<Position> positions = tables_.FindPlaces(scan);
+      is_more = positions.size() == scan.limit;
+      if (is_more) scan.after = positions.back();
+      WAYMARK_TRY(AddMatches(positions, found));
     }
     return {};
   }

@@ -101,19 +101,22 @@ void SqliteStatements::AddState(std::uint64_t revision, std::vector<LogRow>& row
 
 std::vector<Position> SqliteStatements::FindPlaces(const Scan& scan) {
   if (scan.room) room_ = scan.room->text();
-  first_ = scan.first;
-  last_ = scan.last;
   key_ = scan.after.key;
   revision_ = Clamp(scan.after.revision);
   newest_ = Clamp(scan.newest);
-  limit_ = Clamp(scan.limit);
   soci::statement& statement = !scan.room                          ? public_by_cell_
                                : scan.order == ScanOrder::kChanged ? by_change_
                                                                    : by_cell_;
   std::vector<Position> positions;
-  statement.execute();
-  while (statement.fetch()) {
-    positions.push_back({row_key_, static_cast<std::uint64_t>(row_revision_)});
+  for (const auto& [first, last] : scan.ranges) {
+    if (last < scan.after.key || positions.size() >= scan.limit) continue;
+    first_ = first;
+    last_ = last;
+    limit_ = Clamp(scan.limit - positions.size());
+    statement.execute();
+    while (statement.fetch()) {
+      positions.push_back({row_key_, static_cast<std::uint64_t>(row_revision_)});
+    }
   }
   return positions;
 }

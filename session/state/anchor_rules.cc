@@ -56,7 +56,9 @@ std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& co
                                                          const RoomMember& member,
                                                          const RoomAnchor& current,
                                                          const AnchorRules& rules) {
-  if (rules.rights == AnchorRights::kOwner && current.record.owner != member.device.text()) {
+  const bool is_owners_alone = rules.rights == AnchorRights::kOwner ||
+                               current.record.editing == content::AnchorEditing::kOwner;
+  if (is_owners_alone && current.record.owner != member.device.text()) {
     return CommandVerdict{
         CommandOutcome::kInvalid,
         fmt::format("anchor {}: belongs to device {}", command.anchor.text(), current.record.owner),

@@ -136,7 +136,7 @@ TEST_F(PowerCut, LeavesEveryAcknowledgedWrite) {
     disk.Synced(path);
     return true;
   });
-  auto store = OpenSqliteStore(live / "anchors.db");
+  auto store = OpenSqliteStore(live / "anchors.db", {.checkpoint_pages = 1000});
   ASSERT_TRUE(store) << ToString(store.error());
   std::vector<AnchorRecord> anchors;
   for (std::uint64_t n = 0; n < 240 && !HasFailure(); ++n) {
