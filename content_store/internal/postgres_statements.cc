@@ -127,21 +127,25 @@ std::vector<LogRow> PostgresStatements::Fetch(soci::statement& statement) {
   return rows;
 }
 
+void PostgresStatements::Bind(std::initializer_list<const PostgresArray*> arrays) {
+  std::size_t i = 0;
+  for (const PostgresArray* array : arrays) arrays_[i++] = array->Text();
+}
+
 std::vector<LogRow> PostgresStatements::FindLatest(const std::vector<AnchorKey>& keys) {
   PostgresArray rooms, ids;
   for (const AnchorKey& key : keys) {
     rooms.AddHex(key.room.text());
     ids.AddHex(key.id.text());
   }
-  arrays_[0] = rooms.Text();
-  arrays_[1] = ids.Text();
+  Bind({&rooms, &ids});
   return Fetch(find_);
 }
 
 std::vector<LogRow> PostgresStatements::LoadStates(const std::vector<std::uint64_t>& revisions) {
   PostgresArray wanted;
   for (const std::uint64_t revision : revisions) wanted.Add(Clamp(revision));
-  arrays_[0] = wanted.Text();
+  Bind({&wanted});
   return Fetch(load_);
 }
 
@@ -153,8 +157,7 @@ std::vector<Position> PostgresStatements::FindPlaces(const Scan& scan) {
     firsts.Add(first);
     lasts.Add(last);
   }
-  arrays_[0] = firsts.Text();
-  arrays_[1] = lasts.Text();
+  Bind({&firsts, &lasts});
   key_ = scan.after.key;
   revision_ = Clamp(scan.after.revision);
   newest_ = Clamp(scan.newest);
@@ -194,12 +197,7 @@ void PostgresStatements::Append(const std::vector<LogRow>& rows) {
     states.AddHex(row.state);
     checksums.Add(row.checksum);
   }
-  arrays_[0] = revisions.Text();
-  arrays_[1] = previous.Text();
-  arrays_[2] = rooms.Text();
-  arrays_[3] = ids.Text();
-  arrays_[4] = states.Text();
-  arrays_[5] = checksums.Text();
+  Bind({&revisions, &previous, &rooms, &ids, &states, &checksums});
   append_.execute(true);
 }
 
@@ -214,9 +212,7 @@ void PostgresStatements::Put(const std::vector<PlaceRow>& places) {
     expires.Add(place.expires);
     is_public.Add(std::int64_t{place.is_public ? 1 : 0});
   }
-  const PostgresArray* const all[] = {&rooms,   &ids,     &revisions, &cells,
-                                      &changed, &expires, &is_public};
-  for (std::size_t i = 0; i < std::size(all); ++i) arrays_[i] = all[i]->Text();
+  Bind({&rooms, &ids, &revisions, &cells, &changed, &expires, &is_public});
   put_.execute(true);
 }
 
@@ -226,8 +222,7 @@ std::map<OwnerKey, Usage> PostgresStatements::FindUsage(const std::vector<OwnerK
     rooms.AddHex(key.room);
     names.AddHex(key.owner);
   }
-  arrays_[0] = rooms.Text();
-  arrays_[1] = names.Text();
+  Bind({&rooms, &names});
   std::map<OwnerKey, Usage> usage;
   find_usage_.execute();
   while (find_usage_.fetch()) usage[{row_room_, row_id_}] = {row_revision_, row_previous_};
@@ -242,10 +237,7 @@ void PostgresStatements::PutUsage(const std::map<OwnerKey, Usage>& usage) {
     anchors.Add(owned.anchors);
     bytes.Add(owned.bytes);
   }
-  arrays_[0] = rooms.Text();
-  arrays_[1] = owners.Text();
-  arrays_[2] = anchors.Text();
-  arrays_[3] = bytes.Text();
+  Bind({&rooms, &owners, &anchors, &bytes});
   put_usage_.execute(true);
 }
 

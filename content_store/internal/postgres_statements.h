@@ -3,10 +3,12 @@
 
 #include <soci/soci.h>
 
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 #include "content_store/internal/anchor_tables.h"
+#include "content_store/internal/postgres_arrays.h"
 
 namespace waymark::content::internal {
 
@@ -31,6 +33,8 @@ class PostgresStatements {
   void Announce(std::uint64_t revision);
 
  private:
+  /// Makes these the first of the statements' arrays.
+  void Bind(std::initializer_list<const PostgresArray*> arrays);
   std::vector<LogRow> Fetch(soci::statement& statement);
 
   // What the statements below are bound to.

@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "content_store/internal/sql_numbers.h"
+#include "content_store/internal/sql_tables.h"
 #include "content_store/internal/sqlite_session.h"
 #include "content_store/internal/sqlite_statements.h"
 
@@ -15,10 +15,10 @@ namespace {
 using soci::into;
 using soci::use;
 
-class SqliteTables final : public AnchorTables {
+class SqliteTables final : public SqlTables {
  public:
   explicit SqliteTables(std::unique_ptr<SqliteSession> session)
-      : session_(std::move(session)), statements_(session_->sql()) {}
+      : SqlTables(""), session_(std::move(session)), statements_(session_->sql()) {}
 
   const std::string& name() const override { return session_->name(); }
   Error Describe(const std::exception& exception) const override {
@@ -59,140 +59,19 @@ class SqliteTables final : public AnchorTables {
   void Announce(std::uint64_t) override {}
   bool AwaitAnnouncement(std::chrono::milliseconds) override { return false; }
 
-  Compaction LoadCompaction() override;
-  std::vector<std::uint64_t> ListRoom(const RoomId& room) override;
-  std::vector<std::uint64_t> FindReplaced(const std::optional<RoomId>& room, std::uint64_t since,
-                                          std::size_t limit) override;
-  std::vector<RoomSummary> ListRooms() override;
-  std::vector<PlaceRow> FindExpired(std::int64_t now_utc_ms, std::size_t limit) override;
-  std::vector<PlaceRow> ListPlaces(const std::optional<AnchorKey>& after,
-                                   std::size_t limit) override;
   std::map<OwnerKey, Usage> FindUsage(const std::vector<OwnerKey>& owners) override;
-  std::map<OwnerKey, Usage> ListUsage() override;
-  std::uint64_t CountLog(std::uint64_t after, std::uint64_t through) override;
   void PutUsage(const std::map<OwnerKey, Usage>& usage) override {
     for (const auto& [owner, owned] : usage) statements_.PutUsage(owner, owned);
   }
-  void RemoveSuperseded(std::uint64_t after, std::uint64_t through) override;
-  void StoreCompaction(const Compaction& compaction) override;
   void Vacuum() override;
   std::vector<std::string> CheckStructure() override;
 
  private:
-  soci::session& sql() { return session_->sql(); }
-  std::vector<std::uint64_t> FetchRevisions(soci::statement& statement, const long long& revision);
+  soci::session& sql() override { return session_->sql(); }
 
   const std::unique_ptr<SqliteSession> session_;
   SqliteStatements statements_;  // goes before the session
 };
-
-std::vector<std::uint64_t> SqliteTables::FetchRevisions(soci::statement& statement,
-                                                        const long long& revision) {
-  std::vector<std::uint64_t> revisions;
-  statement.execute();
-  while (statement.fetch()) revisions.push_back(static_cast<std::uint64_t>(revision));
-  return revisions;
-}
-
-Compaction SqliteTables::LoadCompaction() {
-  long long through = 0, rows = 0;
-  sql() << "SELECT coalesce(max(value) FILTER (WHERE name = 'compacted_through'), 0), "
-           "coalesce(max(value) FILTER (WHERE name = 'compacted_rows'), 0) FROM facts",
-      into(through), into(rows);
-  return {static_cast<std::uint64_t>(through), static_cast<std::uint64_t>(rows)};
-}
-
-std::vector<std::uint64_t> SqliteTables::ListRoom(const RoomId& room) {
-  long long revision = 0;
-  const std::string name = room.text();
-  soci::statement list =
-      (sql().prepare << "SELECT revision FROM places WHERE room = :room AND cell "
-                        "IS NOT NULL ORDER BY id",
-       use(name), into(revision));
-  return FetchRevisions(list, revision);
-}
-
-std::vector<std::uint64_t> SqliteTables::FindReplaced(const std::optional<RoomId>& room,
-                                                      std::uint64_t since, std::size_t limit) {
-  long long revision = 0;
-  const long long then = Clamp(since), most = Clamp(limit);
-  if (!room) {
-    soci::statement replaced =
-        (sql().prepare
-             << "SELECT previous FROM states WHERE revision > :since AND previous BETWEEN "
-                "1 AND :then LIMIT :limit",
-         use(then), use(then), use(most), into(revision));
-    return FetchRevisions(replaced, revision);
-  }
-  const std::string name = room->text();
-  soci::statement replaced =
-      (sql().prepare << "SELECT previous FROM states WHERE room = :room AND revision > :since AND "
-                        "previous BETWEEN 1 AND :then LIMIT :limit",
-       use(name), use(then), use(then), use(most), into(revision));
-  return FetchRevisions(replaced, revision);
-}
-
-std::vector<RoomSummary> SqliteTables::ListRooms() {
-  std::string room;
-  long long anchors = 0, revision = 0;
-  soci::statement rooms = (sql().prepare << "SELECT room, count(cell), max(revision) FROM places "
-                                            "GROUP BY room ORDER BY room",
-                           into(room), into(anchors), into(revision));
-  std::vector<RoomSummary> summaries;
-  rooms.execute();
-  while (rooms.fetch()) {
-    summaries.push_back(
-        {RoomId(room), static_cast<std::size_t>(anchors), static_cast<std::uint64_t>(revision)});
-  }
-  return summaries;
-}
-
-std::vector<PlaceRow> SqliteTables::FindExpired(std::int64_t now_utc_ms, std::size_t limit) {
-  std::string room, id;
-  long long revision = 0;
-  const long long now = now_utc_ms, most = Clamp(limit);
-  soci::statement due =
-      (sql().prepare
-           << "SELECT room, id, revision FROM places WHERE expires IS NOT NULL AND expires "
-              "<= :now ORDER BY expires LIMIT :limit",
-       use(now), use(most), into(room), into(id), into(revision));
-  std::vector<PlaceRow> places;
-  due.execute();
-  while (due.fetch()) {
-    places.push_back(
-        {.key = {RoomId(room), AnchorId(id)}, .revision = static_cast<std::uint64_t>(revision)});
-  }
-  return places;
-}
-
-std::vector<PlaceRow> SqliteTables::ListPlaces(const std::optional<AnchorKey>& after,
-                                               std::size_t limit) {
-  const std::string after_room = after ? after->room.text() : "";
-  const std::string after_id = after ? after->id.text() : "";
-  const long long most = Clamp(limit);
-  std::string room, id;
-  long long revision = 0, is_public = 0, values[3] = {};
-  soci::indicator has[3] = {};
-  soci::statement list =
-      (sql().prepare << "SELECT room, id, revision, cell, changed, expires, is_public FROM places "
-                        "WHERE (room, id) > (:room, :id) ORDER BY room, id LIMIT :limit",
-       use(after_room), use(after_id), use(most), into(room), into(id), into(revision),
-       into(values[0], has[0]), into(values[1], has[1]), into(values[2], has[2]), into(is_public));
-  const auto get = [&](int i) {
-    return has[i] == soci::i_ok ? std::optional<std::int64_t>(values[i]) : std::nullopt;
-  };
-  std::vector<PlaceRow> places;
-  list.execute();
-  while (list.fetch()) {
-    places.push_back({{RoomId(room), AnchorId(id)},
-                      static_cast<std::uint64_t>(revision),
-                      get(0),
-                      get(1),
-                      get(2),
-                      is_public != 0});
-  }
-  return places;
-}
 
 std::map<OwnerKey, Usage> SqliteTables::FindUsage(const std::vector<OwnerKey>& owners) {
   std::map<OwnerKey, Usage> usage;
@@ -200,41 +79,6 @@ std::map<OwnerKey, Usage> SqliteTables::FindUsage(const std::vector<OwnerKey>& o
     if (const auto found = statements_.FindUsage(owner)) usage.emplace(owner, *found);
   }
   return usage;
-}
-
-std::map<OwnerKey, Usage> SqliteTables::ListUsage() {
-  std::map<OwnerKey, Usage> usage;
-  std::string room, owner;
-  long long anchors = 0, bytes = 0;
-  soci::statement list = (sql().prepare << "SELECT room, owner, anchors, bytes FROM usage",
-                          into(room), into(owner), into(anchors), into(bytes));
-  list.execute();
-  while (list.fetch()) usage[{room, owner}] = {anchors, bytes};
-  return usage;
-}
-
-std::uint64_t SqliteTables::CountLog(std::uint64_t after, std::uint64_t through) {
-  long long rows = 0;
-  const long long first = Clamp(after), last = Clamp(through);
-  sql() << "SELECT count(*) FROM states WHERE revision > :first AND revision <= :last", use(first),
-      use(last), into(rows);
-  return static_cast<std::uint64_t>(rows);
-}
-
-void SqliteTables::RemoveSuperseded(std::uint64_t after, std::uint64_t through) {
-  const long long first = Clamp(after), last = Clamp(through);
-  sql()
-      << "DELETE FROM states WHERE revision > :first AND revision <= :last AND NOT EXISTS (SELECT "
-         "1 FROM places p WHERE p.room = states.room AND p.id = states.id AND p.revision = "
-         "states.revision)",
-      use(first), use(last);
-}
-
-void SqliteTables::StoreCompaction(const Compaction& compaction) {
-  const long long through = Clamp(compaction.through), rows = Clamp(compaction.rows);
-  sql() << "INSERT INTO facts (name, value) VALUES ('compacted_through', :through), "
-           "('compacted_rows', :rows) ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-      use(through), use(rows);
 }
 
 void SqliteTables::Vacuum() {
