@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "examples/simulator/recording/truth.h"
+#include "examples/simulator/render/rain.h"
 #include "examples/simulator/render/sensor.h"
 #include "mapping/base/file.h"
 #include "mapping/experience/kapture.h"
@@ -97,11 +98,12 @@ Result<void> DrawPictures(const City& city, const SimulationOptions& options,
     const SimulatedRecording& simulated = recordings[index];
     const Shot& shot = simulated.recording.shots[shot_index];
     const Renderer& renderer = renderers[index];
-    const Radiance radiance = renderer.Render(
-        rays[index], simulated.recording.WorldFromCamera(shot), options.picture.antialiasing);
+    Radiance radiance = renderer.Render(rays[index], simulated.recording.WorldFromCamera(shot),
+                                        options.picture.antialiasing);
+    const Random stream = RecordingStream(options, index).Fork(100 + shot_index);
+    AddRain(renderer.lighting().rain, stream.Fork(1), radiance);
     const ColourImage image =
-        Expose(radiance, renderer.lighting(), {.noise_scale = options.picture.noise_scale},
-               RecordingStream(options, index).Fork(100 + shot_index));
+        Expose(radiance, renderer.lighting(), {.noise_scale = options.picture.noise_scale}, stream);
     const auto stored = StorePicture(image,
                                      folder / simulated.folder / "sensors" / "records_data" /
                                          (shot.name + options.picture.format),

@@ -10,16 +10,32 @@
 namespace waymark::simulator {
 namespace {
 
-constexpr std::array<std::pair<LightPreset, std::string_view>, 4> kNames{
+constexpr std::array<std::pair<LightPreset, std::string_view>, 7> kNames{
     {{LightPreset::kDay, "day"},
      {LightPreset::kOvercast, "overcast"},
+     {LightPreset::kRain, "rain"},
      {LightPreset::kEvening, "evening"},
-     {LightPreset::kNight, "night"}}};
+     {LightPreset::kNight, "night"},
+     {LightPreset::kLowSunBehind, "low_sun_behind"},
+     {LightPreset::kLowSunAgainst, "low_sun_against"}}};
 
 Eigen::Vector3d SunAt(Angle azimuth_from_north, Angle elevation) {
   const double flat = std::cos(elevation.radians());
   return {flat * std::sin(azimuth_from_north.radians()),
           flat * std::cos(azimuth_from_north.radians()), std::sin(elevation.radians())};
+}
+
+/// High enough to reach down a street of 50 m over houses of 12 m at its end.
+Lighting LowSun(Angle azimuth_from_north) {
+  return {.to_sun = SunAt(azimuth_from_north, Angle::Degrees(19)),
+          .sun = {0.8F, 0.62F, 0.42F},
+          .sky = {0.3F, 0.31F, 0.37F},
+          .horizon = {228, 205, 180},
+          .zenith = {110, 140, 195},
+          .clouds = 0.2F,
+          .longest_gain = 3,
+          .noise = 2,
+          .glare = 1};
 }
 
 }  // namespace
@@ -36,6 +52,15 @@ std::optional<LightPreset> FindLightPreset(std::string_view name) {
     if (known == name) return value;
   }
   return std::nullopt;
+}
+
+std::string LightPresetNames() {
+  std::string names;
+  for (const auto& [value, name] : kNames) {
+    names += names.empty() ? "" : ", ";
+    names += name;
+  }
+  return names;
 }
 
 Lighting MakeLighting(LightPreset preset, Random random) {
@@ -59,6 +84,23 @@ Lighting MakeLighting(LightPreset preset, Random random) {
               .clouds = 0.15F,
               .longest_gain = 3,
               .noise = 2.2F};
+    case LightPreset::kRain:
+      return {.to_sun = {0, 0, 1},
+              .sun = {0, 0, 0},
+              .sky = {0.33F, 0.35F, 0.38F},
+              .horizon = {168, 172, 178},
+              .zenith = {128, 134, 142},
+              .clouds = 0.1F,
+              .window_light = 0.3F,
+              .longest_gain = 3,
+              .noise = 3,
+              .wetness = 1,
+              .rain = 1,
+              .haze_per_m = 0.005F};
+    case LightPreset::kLowSunBehind:
+      return LowSun(Angle::Degrees(270) + hour);
+    case LightPreset::kLowSunAgainst:
+      return LowSun(Angle::Degrees(90) + hour);
     case LightPreset::kEvening:
       return {.to_sun = SunAt(Angle::Degrees(262) + hour, Angle::Degrees(16)),
               .sun = {0.62F, 0.42F, 0.24F},

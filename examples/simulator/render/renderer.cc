@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr std::uint32_t kSkySurface = 0;
-constexpr double kShadowReach = 200;   // metres; nothing in a city block throws a longer one
-constexpr double kShadowLift = 0.004;  // metres off the surface, above float error at 200 m
+constexpr double kShadowLift = 0.004;   // metres off the surface, above float error at 200 m
+constexpr double kHighestGround = 0.2;  // metres; above it lie roofs and tables
 
 /// Where a neighbouring ray meets the plane of the surface; itself where it runs away from it.
 Vector3d MeetPlane(const Vector3d& eye, const Vector3d& ray, const Vector3d& normal,
@@ -103,36 +103,10 @@ Result<Renderer> Renderer::Create(const City& city, const Mesh& traffic, const L
   return renderer;
 }
 
-Vector3f Renderer::SkyColour(const Vector3d& direction) const {
-  const Vector3d unit = direction.normalized();
-  const auto height = static_cast<float>(std::sqrt(std::clamp(unit.z(), 0.0, 1.0)));
-  Vector3f colour = lighting_.horizon + height * (lighting_.zenith - lighting_.horizon);
-  if (lighting_.clouds > 0 && unit.z() > 0.02) {
-    const double x = unit.x() / (unit.z() + 0.2);
-    const double y = unit.y() / (unit.z() + 0.2);
-    const double wisps = std::sin(1.9 * x + 1.3 * std::sin(1.1 * y)) *
-                         std::sin(2.3 * y + 1.7 * std::sin(0.9 * x + 0.5));
-    colour += lighting_.clouds * static_cast<float>(std::max(0.0, wisps)) *
-              (Vector3f(245, 245, 245) - colour);
-  }
-  return colour;
-}
-
-Vector3f Renderer::Illuminate(const Vector3d& place, const Vector3d& normal,
-                              bool is_in_shadow) const {
-  // Less sky is seen from walls than from the ground, and less from low down in a street.
-  const double openness = 0.72 + 0.28 * normal.z();
-  const double canyon = 0.62 + 0.38 * std::clamp(place.z() / 9, 0.0, 1.0);
-  Vector3f light = static_cast<float>(openness * canyon) * lighting_.sky;
-  if (!is_in_shadow) {
-    light += static_cast<float>(std::max(0.0, normal.dot(lighting_.to_sun))) * lighting_.sun;
-  }
-  return light;
-}
-
-Renderer::Shade Renderer::Trace(const Vector3d& eye, const Beam& beam) const {
-  const std::optional<Hit> hit = scene_.FindFirstHit(eye, beam.ray);
+Renderer::Shade Renderer::Trace(const Vector3d& eye, const Beam& beam, double start) const {
+  std::optional<Hit> hit = scene_.FindFirstHit(eye + start * beam.ray, beam.ray);
   if (!hit) return {SkyColour(beam.ray), kSkySurface};
+  hit->distance += start;
   const Surface& surface = surfaces_[hit->quad];
   const Vector3d place = eye + hit->distance * beam.ray;
   const double plane_distance = surface.normal.dot(surface.corner - eye);
@@ -153,12 +127,20 @@ Renderer::Shade Renderer::Trace(const Vector3d& eye, const Beam& beam) const {
       surface.normal.dot(beam.ray) < 0 ? surface.normal : Vector3d(-surface.normal);
   const bool faces_sun = lighting_.sun.maxCoeff() > 0 && normal.dot(lighting_.to_sun) > 0;
   const bool is_in_shadow =
-      !faces_sun || scene_.IsBlocked(place + kShadowLift * normal, lighting_.to_sun, kShadowReach);
+      !faces_sun || scene_.IsBlocked(place + kShadowLift * normal, lighting_.to_sun, kSunReach);
   const Vector3f light = Illuminate(place, normal, is_in_shadow);
   const float glow = lighting_.window_light * colour[3] / 255;
   Vector3f seen;
   for (int c = 0; c < 3; ++c) {
     seen[c] = colour[static_cast<std::size_t>(c)] * std::max(Display(light[c]), glow);
+  }
+  if (lighting_.wetness > 0 && normal.z() > 0.95 && place.z() < kHighestGround) {
+    seen = Wet(seen, eye, beam, hit->distance);
+  }
+  if (lighting_.haze_per_m > 0) {
+    const double air_m = (hit->distance - start) * beam.ray.norm();
+    seen = lighting_.horizon +
+           std::exp(-lighting_.haze_per_m * static_cast<float>(air_m)) * (seen - lighting_.horizon);
   }
   const bool shows_shadow = faces_sun && is_in_shadow;
   return {seen, 2 * surface.id + (shows_shadow ? 1U : 0U)};
@@ -200,6 +182,7 @@ Radiance Renderer::Render(const ViewRays& rays, const Rigid3& world_from_camera,
       image.values.insert(image.values.end(), {colour[0], colour[1], colour[2]});
     }
   }
+  AddGlare(rays, world_from_camera, image);
   return image;
 }
 

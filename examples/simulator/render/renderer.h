@@ -58,6 +58,8 @@ class Renderer {
                                              const Eigen::Vector3d& direction) const;
 
  private:
+  static constexpr double kSunReach = 200;  // metres; nothing in a block throws a longer shadow
+
   /// A quad prepared for shading.
   struct Surface {
     Eigen::Vector3d corner;
@@ -83,7 +85,13 @@ class Renderer {
   Renderer(const City& city, RayScene scene, const Lighting& lighting)
       : city_(&city), scene_(std::move(scene)), lighting_(lighting) {}
 
-  Shade Trace(const Eigen::Vector3d& eye, const Beam& beam) const;
+  /// What a beam meets first beyond `start`, in lengths of its ray.
+  Shade Trace(const Eigen::Vector3d& eye, const Beam& beam, double start = 0) const;
+  /// Wet ground that would look like `dry`: darker, and it mirrors what stands on it.
+  Eigen::Vector3f Wet(const Eigen::Vector3f& dry, const Eigen::Vector3d& eye, const Beam& beam,
+                      double distance) const;
+  /// Light that a sun before the camera scatters in the lens.
+  void AddGlare(const ViewRays& rays, const Rigid3& world_from_camera, Radiance& image) const;
   Eigen::Vector3f Illuminate(const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
                              bool is_in_shadow) const;
   Eigen::Vector3f SkyColour(const Eigen::Vector3d& direction) const;

@@ -34,13 +34,16 @@ void AddCityOptions(CLI::App& city, Arguments& arguments) {
   city.add_option("--seed", o.seed, "of drives, walks, sensors and traffic")->capture_default_str();
   city.add_option("--city-seed", o.city.seed, "of houses and streets")->capture_default_str();
   city.add_option("--experience", arguments.experiences,
-                  "light of one drive, repeatable: day, overcast, evening, night")
+                  "light of one drive, repeatable: " + LightPresetNames())
       ->capture_default_str();
   city.add_option("--phones", o.phones, "number of walks")->capture_default_str();
   city.add_option("--phone-light", arguments.phone_light,
                   "light of all walks; else they take turns with the experiences'");
   city.add_option("--blocks-east", o.city.blocks_east)->capture_default_str();
   city.add_option("--blocks-north", o.city.blocks_north)->capture_default_str();
+  city.add_option("--house-kinds", o.city.house_kinds,
+                  "0: no house is like another; else rows repeat so many")
+      ->capture_default_str();
   city.add_option("--drive-length", o.car.drive.length_m, "metres, half before the first corner")
       ->capture_default_str();
   city.add_option("--spacing", o.car.spacing_m, "metres between pictures")->capture_default_str();

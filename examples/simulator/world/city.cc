@@ -94,9 +94,11 @@ void AddStreets(const StreetPlan& plan, const SharedMaterials& shared, const Ran
 
 void AddHouses(const StreetPlan& plan, const SharedMaterials& shared, const Random& random,
                City& city, TextureStudio& studio) {
+  constexpr std::uint64_t kPattern = 1'000'000;  // a stream that no row has
   std::uint64_t stream = 0;
   for (const BuildingLine& line : plan.building_lines) {
-    for (const House& house : PlanRow(line, random.Fork(++stream))) {
+    for (const House& house :
+         PlanRow(line, random.Fork(++stream), city.options.house_kinds, random.Fork(kPattern))) {
       const double texels_per_m = city.options.texels_per_m;
       const std::uint32_t facade = studio.Order(TextureBorder::kClamp, [=] {
         return PaintFacade(house.plan, texels_per_m, Random(house.seed).Fork(2));
@@ -123,6 +125,7 @@ Result<void> CityOptions::Validate() const {
   WAYMARK_TRY(check("block_east_m", block_east_m, 20, 200));
   WAYMARK_TRY(check("block_north_m", block_north_m, 20, 200));
   WAYMARK_TRY(check("road_m", road_m, 4, 20));
+  WAYMARK_TRY(check("house_kinds", house_kinds, 0, 100));
   WAYMARK_TRY(check("pavement_m", pavement_m, 1.5, 8));
   return check("texels_per_m", texels_per_m, 10, 200);
 }

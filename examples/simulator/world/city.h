@@ -22,6 +22,7 @@ struct CityOptions {
   double road_m = 8;          ///< kerb to kerb, [4, 20]
   double pavement_m = 3;      ///< each side, [1.5, 8]
   double texels_per_m = 90;   ///< of house fronts, [10, 200]; 90 is one texel per pixel at 5.5 m
+  int house_kinds = 0;        ///< [0, 100]; 0: no house is like another; else rows repeat so many
   std::uint64_t seed = 1;
   Parallelism parallelism;
 

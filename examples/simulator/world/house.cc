@@ -48,13 +48,14 @@ void BuildChimney(const House& house, const SharedMaterials& shared, Random& ran
 
 }  // namespace
 
-std::vector<House> PlanRow(const BuildingLine& line, Random random) {
+std::vector<House> PlanRow(const BuildingLine& line, Random random, int kinds, Random pattern) {
   std::vector<House> houses;
   const Eigen::Vector3d right(line.direction.x(), line.direction.y(), 0);
   const Eigen::Vector3d toward = right.cross(kUp);  // right x up points to the viewer
   double done = 0;
   while (done < line.length_m - 1e-6) {
     const double rest = line.length_m - done;
+    if (kinds > 0) random = pattern.Fork(houses.size() % static_cast<std::size_t>(kinds));
     double width = random.Uniform(7, 12.5);
     if (rest - width < 6) width = rest < 13 ? rest : rest / 2;
     const double height = random.Uniform(8.5, 15.5);

@@ -35,8 +35,9 @@ struct House {
   std::uint64_t seed;
 };
 
-/// Fills a building line with row houses, wall to wall.
-std::vector<House> PlanRow(const BuildingLine& line, Random random);
+/// Fills a building line with row houses, wall to wall. With `kinds` > 0 they are copies of so many
+/// houses in turn, the same in every row made with the same `pattern`.
+std::vector<House> PlanRow(const BuildingLine& line, Random random, int kinds, Random pattern);
 
 /// Adds a house: its front (with the texture `facade`) has recessed openings, a cornice, signs,
 /// balconies and awnings; sides, back and roof are plain.

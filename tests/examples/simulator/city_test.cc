@@ -43,6 +43,17 @@ TEST(City, GivesEveryHouseAPictureOfItsOwn) {
   EXPECT_LT(*used.rbegin(), city.textures.size());
 }
 
+TEST(City, RepeatsItsHousesWhenAskedTo) {
+  const BuildingLine line{{0, 0}, {1, 0}, 60};
+  const std::vector<House> own = PlanRow(line, Random(1), 0, Random(9));
+  EXPECT_NE(own[0].seed, own[1].seed);
+  const std::vector<House> repeated = PlanRow(line, Random(1), 2, Random(9));
+  EXPECT_NE(repeated[0].seed, repeated[1].seed);
+  EXPECT_EQ(repeated[0].seed, repeated[2].seed);
+  EXPECT_EQ(repeated[0].plan.width_m, repeated[2].plan.width_m);
+  EXPECT_EQ(PlanRow(line, Random(2), 2, Random(9))[1].seed, repeated[1].seed);
+}
+
 TEST(City, IsClosedToEverySide) {
   const City city = *BuildCity(TinyCity(3));
   const Renderer renderer = *Renderer::Create(city, {}, EvenLight());

@@ -152,14 +152,5 @@ TEST(Sensor, NoiseIsSeededAndAsStrongAsStated) {
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(a.values.size())), 5, 0.3);
 }
 
-TEST(Lighting, PresetsAreFoundByTheirNames) {
-  for (const LightPreset preset :
-       {LightPreset::kDay, LightPreset::kOvercast, LightPreset::kEvening, LightPreset::kNight}) {
-    EXPECT_EQ(FindLightPreset(LightPresetName(preset)), preset);
-    EXPECT_NEAR(MakeLighting(preset, Random(1)).to_sun.norm(), 1, 1e-12);
-  }
-  EXPECT_EQ(FindLightPreset("noon"), std::nullopt);
-}
-
 }  // namespace
 }  // namespace waymark::simulator
