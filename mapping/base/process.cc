@@ -15,8 +15,21 @@ extern char** environ;
 namespace waymark {
 namespace {
 
-/// Starts the program with its output going into `output`.
-Result<pid_t> Start(std::vector<std::string> words, int output) {
+std::string ReadToEnd(int descriptor) {
+  std::string text;
+  std::array<char, 4096> buffer;
+  while (true) {
+    const ssize_t count = ::read(descriptor, buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return text;
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+}  // namespace
+
+Result<pid_t> StartProgram(std::vector<std::string> words, int output) {
+  CHECK(!words.empty(), "a program has a name");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -33,19 +46,6 @@ Result<pid_t> Start(std::vector<std::string> words, int output) {
                    std::strerror(failure));
 }
 
-std::string ReadToEnd(int descriptor) {
-  std::string text;
-  std::array<char, 4096> buffer;
-  while (true) {
-    const ssize_t count = ::read(descriptor, buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return text;
-    text.append(buffer.data(), static_cast<std::size_t>(count));
-  }
-}
-
-}  // namespace
-
 Result<ProgramOutcome> CaptureProgram(const std::vector<std::string>& words) {
   CHECK(!words.empty(), "a program has a name");
   std::array<int, 2> pipe{};
@@ -53,7 +53,7 @@ Result<ProgramOutcome> CaptureProgram(const std::vector<std::string>& words) {
     return MakeError(ErrorCode::kUnavailable, "{}: cannot be started: {}", words.front(),
                      std::strerror(errno));
   }
-  const auto child = Start(words, pipe[1]);
+  const auto child = StartProgram(words, pipe[1]);
   ::close(pipe[1]);
   ProgramOutcome outcome;
   if (child) outcome.output = ReadToEnd(pipe[0]);

@@ -2,7 +2,6 @@
 #include "tests/evaluation/running.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,13 +11,13 @@
 #include <cstdlib>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "mapping/base/check.h"
 #include "mapping/base/file.h"
 #include "mapping/base/log.h"
+#include "mapping/base/process.h"
 #include "mapping/base/stopwatch.h"
-
-extern char** environ;
 
 namespace waymark::evaluation {
 namespace {
@@ -41,22 +40,15 @@ double Seconds(const timeval& time) {
 }
 
 Result<pid_t> Start(const fs::path& program, std::vector<std::string> words, const fs::path& log) {
+  const int output = ::open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (output < 0) {
+    return MakeError(ErrorCode::kUnavailable, "{}: cannot be written: {}", log.string(),
+                     std::strerror(errno));
+  }
   words.insert(words.begin(), program.string());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_APPEND, 0644);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t child = 0;
-  const int failure =
-      posix_spawnp(&child, program.c_str(), &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (failure == 0) return child;
-  return MakeError(ErrorCode::kUnavailable, "{}: cannot be started: {}", program.string(),
-                   std::strerror(failure));
+  const auto child = StartProgram(std::move(words), output);
+  ::close(output);
+  return child;
 }
 
 }  // namespace
