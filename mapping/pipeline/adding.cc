@@ -11,6 +11,7 @@
 #include "mapping/pipeline/internal/building.h"
 #include "mapping/pipeline/internal/index_times.h"
 #include "mapping/pipeline/internal/indexing.h"
+#include "mapping/pipeline/internal/known_experience.h"
 #include "mapping/pipeline/internal/left_out.h"
 #include "mapping/pipeline/internal/membership.h"
 #include "mapping/pipeline/internal/options_codec.h"
@@ -67,60 +68,29 @@ Result<MapDirectory> OpenOrCreate(const AddRequest& request,
   return MapDirectory::Create(request.map_folder, description);
 }
 
-/// Whether all of an experience's submaps are decided and those accepted are live.
-Result<bool> IsInRelease(const MapDirectory& map, const ExperienceId& id,
-                         const std::set<SubmapId>& live) {
-  const fs::path folder = map.ExperienceFolder(id);
-  WAYMARK_TRY_ASSIGN(const std::optional<Plan> plan, LoadPlan(folder));
-  if (!plan) return false;
-  bool any_accepted = false;
-  for (const std::string& task : plan->tasks) {
-    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
-    if (!decision) return false;
-    if (!decision->submap) continue;
-    if (!live.contains(*decision->submap)) return false;
-    any_accepted = true;
-  }
-  return any_accepted;
-}
-
-/// What the map already holds under an experience's name.
-enum class Known { kNo, kUnfinished, kLive };
-
-Result<Known> FindKnown(const MapDirectory& map, const Experience& experience,
-                        const std::set<SubmapId>& live, const Parallelism& parallelism, Run& run) {
-  const auto index = LoadIndex(map.ExperienceFolder(experience.id));
-  if (!index && index.error().code == ErrorCode::kNotFound) return Known::kNo;
-  if (!index) return index.error();
-  WAYMARK_TRY_ASSIGN(const std::string content, HashRecording(experience, parallelism, run));
-  if (content != index->content) {
-    return MakeError(
-        ErrorCode::kConflict,
-        "experience {}: the map holds one of this name with other content; rename the "
-        "folder to add it as another experience, or remove and prune the old one first",
-        experience.id.text());
-  }
-  WAYMARK_TRY_ASSIGN(const bool is_live, IsInRelease(map, experience.id, live));
-  return is_live ? Known::kLive : Known::kUnfinished;
-}
-
-/// Builds those tasks of a plan that have no decision; returns what became of all of them.
-Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const ExperienceId& id,
-                                            const Plan& plan, const AddRequest& request, Run& run) {
-  const fs::path folder = map.ExperienceFolder(id);
+/// Those of a plan's tasks that have no decision.
+Result<PendingTasks> FindPending(const MapDirectory& map, const ExperienceId& id,
+                                 const Plan& plan) {
   PendingTasks pending{.experience = id, .tasks = {}};
   for (const std::string& task : plan.tasks) {
-    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
+    WAYMARK_TRY_ASSIGN(const auto decision, LoadDecision(map.ExperienceFolder(id), task));
     if (!decision) pending.tasks.push_back(task);
   }
-  if (request.slurm && !pending.tasks.empty()) {
+  return pending;
+}
+
+/// Builds pending tasks of a plan; returns what became of all of its tasks.
+Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const PendingTasks& pending,
+                                            const Plan& plan, const AddRequest& request, Run& run) {
+  if (request.slurm) {
     WAYMARK_TRY(BuildWithSlurm(map, pending, *request.slurm, run));
   } else {
     WAYMARK_TRY(BuildHere(map, pending, request.options.parallelism, run));
   }
   std::vector<SubmapReport> reports;
   for (const std::string& task : plan.tasks) {
-    WAYMARK_TRY_ASSIGN(const std::optional<Decision> decision, LoadDecision(folder, task));
+    WAYMARK_TRY_ASSIGN(const auto decision,
+                       LoadDecision(map.ExperienceFolder(pending.experience), task));
     CHECK(decision.has_value(), "task {} was built", task);
     const bool is_new = std::ranges::find(pending.tasks, task) != pending.tasks.end();
     reports.push_back(ReportOf(task, *decision, !is_new));
@@ -128,44 +98,106 @@ Result<std::vector<SubmapReport>> BuildPlan(const MapDirectory& map, const Exper
   return reports;
 }
 
-/// Takes one experience to decided submaps; those accepted join `submaps`, and what was built from
-/// it before in another way leaves.
-Result<void> AddOne(const MapDirectory& map, const Experience& experience,
-                    const AddRequest& request, Run& run, std::set<SubmapId>& submaps,
-                    AddReport& report) {
-  const Parallelism& parallelism = request.options.parallelism;
-  Stopwatch watch;
-  IndexTimes times{.features_threads = static_cast<int>(parallelism.ThreadCount())};
-  WAYMARK_TRY_ASSIGN(const ExperienceIndex index,
-                     IndexExperience(experience, TangentPlane(map.description().origin),
-                                     map.ExperienceFolder(experience.id), request.options.features,
-                                     parallelism, run));
-  times.features_s = watch.Lap();
-  WAYMARK_TRY_ASSIGN(const Plan plan, PlanExperience(map, index, submaps, request.options));
-  times.split_s = watch.Lap();
-  WAYMARK_TRY(AddIndexTimes(map.ExperienceFolder(experience.id), times));
-  if (request.until == AddUntil::kPlan) {
-    for (const std::string& task : plan.tasks) {
-      report.submaps.push_back({.task = task, .id = {}, .verdict = "planned"});
+/// One run, while the map is locked.
+class Addition {
+ public:
+  Addition(const MapDirectory& map, const AddRequest& request, Run& run, std::set<SubmapId> live)
+      : map_(map), request_(request), run_(run), live_(std::move(live)), submaps_(live_) {
+    report_.is_geo_aligned = map.description().is_geo_aligned;
+  }
+
+  /// Ends before an experience whose tasks another job is to wait for.
+  Result<void> Add(std::span<const Experience> experiences) {
+    for (const Experience& experience : experiences) {
+      WAYMARK_TRY_ASSIGN(const Known known,
+                         FindKnown(map_, experience, live_, request_.options.parallelism, run_));
+      if (known == Known::kLive) {
+        report_.already_in_map.push_back(experience.id);
+        continue;
+      }
+      WAYMARK_TRY(AddOne(experience));
+      if (awaited_) return {};
     }
+    return submaps_ == live_ ? Result<void>() : Release();
+  }
+
+  const std::optional<PendingTasks>& awaited() const { return awaited_; }
+  AddReport& report() { return report_; }
+
+ private:
+  Result<std::pair<ExperienceIndex, Plan>> PlanOne(const Experience& experience) {
+    const Parallelism& parallelism = request_.options.parallelism;
+    const fs::path folder = map_.ExperienceFolder(experience.id);
+    Stopwatch watch;
+    IndexTimes times{.features_threads = static_cast<int>(parallelism.ThreadCount())};
+    WAYMARK_TRY_ASSIGN(ExperienceIndex index,
+                       IndexExperience(experience, TangentPlane(map_.description().origin), folder,
+                                       request_.options.features, parallelism, run_));
+    times.features_s = watch.Lap();
+    WAYMARK_TRY_ASSIGN(Plan plan, PlanExperience(map_, index, submaps_, request_.options));
+    times.split_s = watch.Lap();
+    WAYMARK_TRY(AddIndexTimes(folder, times));
+    return std::pair(std::move(index), std::move(plan));
+  }
+
+  /// Takes one experience to decided submaps.
+  Result<void> AddOne(const Experience& experience) {
+    WAYMARK_TRY_ASSIGN(const auto planned, PlanOne(experience));
+    const auto& [index, plan] = planned;
+    if (request_.until == AddUntil::kPlan) {
+      for (const std::string& task : plan.tasks) {
+        report_.submaps.push_back({.task = task, .id = {}, .verdict = "planned"});
+      }
+      return {};
+    }
+    WAYMARK_TRY_ASSIGN(PendingTasks pending, FindPending(map_, experience.id, plan));
+    if (request_.slurm && request_.slurm->resume && !pending.tasks.empty()) {
+      awaited_ = std::move(pending);
+      return {};
+    }
+    WAYMARK_TRY_ASSIGN(std::vector<SubmapReport> built,
+                       BuildPlan(map_, pending, plan, request_, run_));
+    WAYMARK_TRY_ASSIGN(const auto left_out, ListLeftOut(map_, index, plan));
+    report_.left_out.insert(report_.left_out.end(), left_out.begin(), left_out.end());
+    return Take(experience.id, std::move(built));
+  }
+
+  /// Accepted submaps join the map, and what was built from the experience before in another way
+  /// leaves.
+  Result<void> Take(const ExperienceId& id, std::vector<SubmapReport> built) {
+    std::set<SubmapId> accepted;
+    for (SubmapReport& submap : built) {
+      if (submap.id) accepted.insert(*submap.id);
+      report_.submaps.push_back(std::move(submap));
+    }
+    (accepted.empty() ? report_.rejected : report_.added).push_back(id);
+    if (accepted.empty()) return {};
+    WAYMARK_TRY_ASSIGN(const auto built_ever, ListOwnSubmaps(map_.ExperienceFolder(id)));
+    for (const SubmapId& old : built_ever) submaps_.erase(old);
+    submaps_.insert(accepted.begin(), accepted.end());
     return {};
   }
-  WAYMARK_TRY_ASSIGN(std::vector<SubmapReport> built,
-                     BuildPlan(map, experience.id, plan, request, run));
-  std::set<SubmapId> accepted;
-  for (SubmapReport& submap : built) {
-    if (submap.id) accepted.insert(*submap.id);
-    report.submaps.push_back(std::move(submap));
+
+  Result<void> Release() {
+    FusionOptions fusion = request_.options.fusion;
+    fusion.parallelism = request_.options.parallelism;
+    WAYMARK_TRY_ASSIGN(
+        NewRelease release,
+        ReleaseSubmaps(map_, submaps_, fusion, request_.created_utc, ReleaseUntil::kLive, run_));
+    report_.epoch = release.epoch;
+    report_.unplaced = std::move(release.unplaced);
+    report_.overlap_rms_m = release.overlap_rms_m;
+    report_.gnss_rms_m = release.gnss_rms_m;
+    return {};
   }
-  WAYMARK_TRY_ASSIGN(const auto left_out, ListLeftOut(map, index, plan));
-  report.left_out.insert(report.left_out.end(), left_out.begin(), left_out.end());
-  (accepted.empty() ? report.rejected : report.added).push_back(experience.id);
-  if (accepted.empty()) return {};
-  WAYMARK_TRY_ASSIGN(const auto built_ever, ListOwnSubmaps(map.ExperienceFolder(experience.id)));
-  for (const SubmapId& id : built_ever) submaps.erase(id);
-  submaps.insert(accepted.begin(), accepted.end());
-  return {};
-}
+
+  const MapDirectory& map_;
+  const AddRequest& request_;
+  Run& run_;
+  std::set<SubmapId> live_, submaps_;
+  std::optional<PendingTasks> awaited_;
+  AddReport report_;
+};
 
 }  // namespace
 
@@ -175,33 +207,16 @@ Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserv
   WAYMARK_TRY_ASSIGN(const std::vector<Experience> experiences,
                      LoadAll(request.experience_folders));
   WAYMARK_TRY_ASSIGN(const MapDirectory map, OpenOrCreate(request, experiences));
-  WAYMARK_TRY_ASSIGN(const FileLock lock, map.LockForWriting());
-  WAYMARK_TRY_ASSIGN(const std::set<SubmapId> live, LoadLiveSubmaps(map));
-
+  WAYMARK_TRY_ASSIGN(std::optional<FileLock> lock, map.LockForWriting());
+  WAYMARK_TRY_ASSIGN(std::set<SubmapId> live, LoadLiveSubmaps(map));
   Run run(observer);
-  AddReport report;
-  report.is_geo_aligned = map.description().is_geo_aligned;
-  std::set<SubmapId> submaps = live;
-  for (const Experience& experience : experiences) {
-    WAYMARK_TRY_ASSIGN(const Known known,
-                       FindKnown(map, experience, live, request.options.parallelism, run));
-    if (known == Known::kLive) {
-      report.already_in_map.push_back(experience.id);
-      continue;
-    }
-    WAYMARK_TRY(AddOne(map, experience, request, run, submaps, report));
+  Addition addition(map, request, run, std::move(live));
+  WAYMARK_TRY(addition.Add(experiences));
+  if (const auto& awaited = addition.awaited()) {
+    lock.reset();  // the job that goes on may begin at once
+    WAYMARK_TRY_ASSIGN(addition.report().resumes_in, SubmitToSlurm(map, *awaited, *request.slurm));
   }
-  if (submaps == live) return report;
-
-  FusionOptions fusion = request.options.fusion;
-  fusion.parallelism = request.options.parallelism;
-  WAYMARK_TRY_ASSIGN(NewRelease release, ReleaseSubmaps(map, submaps, fusion, request.created_utc,
-                                                        ReleaseUntil::kLive, run));
-  report.epoch = release.epoch;
-  report.unplaced = std::move(release.unplaced);
-  report.overlap_rms_m = release.overlap_rms_m;
-  report.gnss_rms_m = release.gnss_rms_m;
-  return report;
+  return std::move(addition.report());
 }
 
 Result<SubmapReport> BuildSubmap(const fs::path& map_folder, const std::string& task,

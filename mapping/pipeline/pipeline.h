@@ -90,6 +90,7 @@ struct AddReport {
   std::vector<LeftOutImage> left_out;        ///< images of theirs that no accepted submap holds
   std::vector<SubmapId> unplaced;            ///< accepted, but fusion knows no place for them
   std::optional<std::uint64_t> epoch;        ///< absent: there is no new release
+  std::optional<std::string> resumes_in;     ///< the Slurm job that goes on with this run
   double overlap_rms_m = 0;                  ///< over the release's submaps that share images
   double gnss_rms_m = 0;
   bool is_geo_aligned = true;
@@ -97,6 +98,12 @@ struct AddReport {
 
 /// How far to go: `kPlan` ends after planning, for schedulers that build submaps elsewhere.
 enum class AddUntil { kPlan, kRelease };
+
+/// How often an experience's submaps were submitted to a cluster by runs before this one.
+struct SlurmRounds {
+  ExperienceId experience;
+  int done = 0;
+};
 
 /// Building submaps on a cluster. Map directory and program are seen under the same paths by this
 /// machine and by all nodes.
@@ -106,6 +113,10 @@ struct SlurmOptions {
   int threads = 1;                          ///< of a submap; features are found by the caller
   int rounds = 3;                           ///< how often a task is tried
   std::chrono::milliseconds poll{2000};
+  /// Absent: the run waits for its jobs. Present: it ends when the jobs of one experience are
+  /// submitted, and a job that runs these words goes on once they have ended.
+  std::function<std::vector<std::string>(const SlurmRounds&)> resume = {};
+  std::optional<SlurmRounds> before = {};  ///< when this run is such a job
 
   Result<void> Validate() const;
 };
@@ -128,6 +139,7 @@ struct AddRequest {
 /// image of an experience is usable; Unavailable when stopped by the observer. Experiences that
 /// cannot be reconstructed are a value: `AddReport::rejected`. With `slurm`, Unavailable also when
 /// jobs end without a decision; the map is the same, byte for byte, as one built by this process.
+/// A run that is resumed by a job makes no release: the last job of the chain does.
 Result<AddReport> AddExperiences(const AddRequest& request, const PipelineObserver& observer = {});
 
 /// Builds one planned submap and stores it with its decision; does nothing when that is done.

@@ -44,9 +44,10 @@ Result<std::string> SubmitSlurmArray(const std::filesystem::path& script, std::s
   return Submit({fmt::format("--array=0-{}", tasks - 1)}, arguments, script);
 }
 
-Result<std::string> SubmitSlurmAfter(const std::filesystem::path& script, const std::string& after,
+Result<std::string> SubmitSlurmAfter(const std::filesystem::path& script,
+                                     const std::vector<std::string>& jobs,
                                      const std::vector<std::string>& arguments) {
-  return Submit({"--dependency=afterany:" + after}, arguments, script);
+  return Submit({fmt::format("--dependency=afterany:{}", fmt::join(jobs, ":"))}, arguments, script);
 }
 
 SlurmJobState AskSlurm(const std::string& job) {

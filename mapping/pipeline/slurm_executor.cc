@@ -67,6 +67,8 @@ class SlurmRound {
     return true;
   }
 
+  const std::vector<std::string>& jobs() const { return jobs_; }
+
   void Cancel() const {
     for (const std::string& job : jobs_) CancelSlurm(job);
   }
@@ -80,8 +82,9 @@ class SlurmRound {
   bool is_silent_ = false;
 };
 
-Result<std::vector<std::string>> ListUndecided(const fs::path& experience_folder,
-                                               std::span<const std::string> tasks) {
+/// Those of the tasks that have no decision.
+Result<std::vector<std::string>> FilterUndecided(const fs::path& experience_folder,
+                                                 std::span<const std::string> tasks) {
   std::vector<std::string> undecided;
   for (const std::string& task : tasks) {
     WAYMARK_TRY_ASSIGN(const auto decision, LoadDecision(experience_folder, task));
@@ -95,9 +98,10 @@ Result<std::vector<std::string>> Await(const MapDirectory& map, const PendingTas
                                        const SlurmOptions& options, SlurmRound& round, Run& run) {
   constexpr int kGracePolls = 3;  // a shared file system shows files late
   const fs::path folder = map.ExperienceFolder(pending.experience);
+  std::vector<std::string> undecided = pending.tasks;
   int polls_after_end = 0;
   while (true) {
-    WAYMARK_TRY_ASSIGN(auto undecided, ListUndecided(folder, pending.tasks));
+    WAYMARK_TRY_ASSIGN(undecided, FilterUndecided(folder, undecided));
     run.Report(PipelineStage::kSubmaps, pending.experience.text(),
                pending.tasks.size() - undecided.size(), pending.tasks.size());
     if (undecided.empty() || polls_after_end >= kGracePolls) return undecided;
@@ -113,13 +117,14 @@ Result<std::vector<std::string>> Await(const MapDirectory& map, const PendingTas
 /// The end of the newest log of a job, which says why.
 std::string FindReason(const fs::path& folder) {
   fs::path newest;
-  std::error_code failure;
-  for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
-       entry.increment(failure)) {
-    if (entry->path().extension() != ".log") continue;
+  const auto names = ListFolder(folder);
+  for (const std::string& name : names ? *names : std::vector<std::string>()) {
+    const fs::path log = folder / name;
+    if (log.extension() != ".log") continue;
     std::error_code ignored;
-    if (newest.empty() || entry->last_write_time(ignored) > fs::last_write_time(newest, ignored)) {
-      newest = entry->path();
+    if (newest.empty() ||
+        fs::last_write_time(log, ignored) > fs::last_write_time(newest, ignored)) {
+      newest = log;
     }
   }
   if (newest.empty()) return "no job left a log in " + folder.string();
@@ -130,13 +135,26 @@ std::string FindReason(const fs::path& folder) {
   return fmt::format("{} ends with: {}", newest.string(), tail);
 }
 
+Error NotDecided(const PendingTasks& pending, std::size_t undecided, const SlurmOptions& options,
+                 const fs::path& folder) {
+  return MakeError(ErrorCode::kUnavailable,
+                   "experience {}: {} of {} submaps are not decided after {} rounds of Slurm jobs; "
+                   "{}",
+                   pending.experience.text(), undecided, pending.tasks.size(), options.rounds,
+                   FindReason(folder));
+}
+
+fs::path JobFolder(const MapDirectory& map, const ExperienceId& experience) {
+  return fs::absolute(map.ExperienceFolder(experience)) / "slurm";
+}
+
 }  // namespace
 
 Result<void> BuildWithSlurm(const MapDirectory& map, const PendingTasks& pending,
                             const SlurmOptions& options, Run& run) {
-  const fs::path folder = fs::absolute(map.ExperienceFolder(pending.experience)) / "slurm";
-  WAYMARK_TRY(CreateFolders(folder));
+  const fs::path folder = JobFolder(map, pending.experience);
   std::vector<std::string> undecided = pending.tasks;
+  if (!undecided.empty()) WAYMARK_TRY(CreateFolders(folder));
   for (int i = 0; i < options.rounds && !undecided.empty(); ++i) {
     SlurmRound round(map, pending.experience, options, folder);
     if (const auto submitted = round.Submit(undecided); !submitted) {
@@ -145,16 +163,36 @@ Result<void> BuildWithSlurm(const MapDirectory& map, const PendingTasks& pending
     }
     WAYMARK_TRY_ASSIGN(undecided, Await(map, pending, options, round, run));
   }
-  if (!undecided.empty()) {
-    return MakeError(ErrorCode::kUnavailable,
-                     "experience {}: {} of {} submaps are not decided after {} rounds of Slurm "
-                     "jobs; {}",
-                     pending.experience.text(), undecided.size(), pending.tasks.size(),
-                     options.rounds, FindReason(folder));
-  }
+  if (!undecided.empty()) return NotDecided(pending, undecided.size(), options, folder);
   std::error_code ignored;
   fs::remove_all(folder, ignored);  // scripts and logs; what was built speaks for itself
   return {};
+}
+
+Result<std::string> SubmitToSlurm(const MapDirectory& map, const PendingTasks& pending,
+                                  const SlurmOptions& options) {
+  SlurmRounds rounds{.experience = pending.experience};
+  if (options.before && options.before->experience == pending.experience) rounds = *options.before;
+  const fs::path folder = JobFolder(map, pending.experience);
+  if (rounds.done >= options.rounds) {
+    return NotDecided(pending, pending.tasks.size(), options, folder);
+  }
+  WAYMARK_TRY(CreateFolders(folder));
+  ++rounds.done;
+  std::string script = "#!/bin/sh\nexec";
+  for (const std::string& word : options.resume(rounds)) script += " " + QuoteForShell(word);
+  const fs::path path = folder / "resume.sh";
+  WAYMARK_TRY(StoreFileAtomically(path, script + "\n"));
+  SlurmRound round(map, pending.experience, options, folder);
+  auto submitted = [&]() -> Result<std::string> {
+    WAYMARK_TRY(round.Submit(pending.tasks));
+    std::vector<std::string> arguments{"--job-name=waymark-add",
+                                       fmt::format("--cpus-per-task={}", options.threads)};
+    arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
+    return SubmitSlurmAfter(path, round.jobs(), arguments);
+  }();
+  if (!submitted) round.Cancel();
+  return submitted;
 }
 
 }  // namespace waymark::mapping

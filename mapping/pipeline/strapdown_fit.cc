@@ -105,12 +105,10 @@ class Solver {
     for (const Arrival& arrival : arrivals_) {
       const Eigen::Vector3d residual = Residual(fit, arrival);
       const double weight = is_robust ? 1 / std::max(1.0, residual.norm() / kHuberSigmas) : 1;
-      const Eigen::Vector3d felt = Felt(fit, arrival);
-      Eigen::Matrix3d turning;  // of `felt` by a small rotation vector
-      turning << 0, felt.z(), -felt.y(), -felt.z(), 0, felt.x(), felt.y(), -felt.x(), 0;
       Eigen::Matrix<double, 3, 15> jacobian;
       jacobian << Eigen::Matrix3d::Identity(), arrival.seconds * Eigen::Matrix3d::Identity(),
-          turning, fit.map_from_sensor.toRotationMatrix() * arrival.displacement_by_bias;
+          -CrossMatrix(Felt(fit, arrival)),
+          fit.map_from_sensor.toRotationMatrix() * arrival.displacement_by_bias;
       jacobian /= arrival.sigma_m;
       normal += weight * jacobian.transpose() * jacobian;
       gradient += weight * jacobian.transpose() * residual;

@@ -18,8 +18,9 @@ enum class SlurmJobState { kActive, kEnded, kUnknown };
 Result<std::string> SubmitSlurmArray(const std::filesystem::path& script, std::size_t tasks,
                                      const std::vector<std::string>& arguments);
 
-/// Submits a script that is to run once `after` has ended, however it ended.
-Result<std::string> SubmitSlurmAfter(const std::filesystem::path& script, const std::string& after,
+/// Submits a script that is to run once all of `jobs` have ended, however they ended.
+Result<std::string> SubmitSlurmAfter(const std::filesystem::path& script,
+                                     const std::vector<std::string>& jobs,
                                      const std::vector<std::string>& arguments);
 
 /// Whether any job of an array still waits or runs; unknown while the controller does not answer.

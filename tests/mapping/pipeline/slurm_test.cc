@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
+#include <thread>
 
 #include "mapping/base/file.h"
+#include "mapping/base/process.h"
 #include "mapping/pipeline/internal/slurm.h"
 #include "tests/mapping/pipeline/slurm_cluster.h"
 #include "tests/mapping/pipeline/street_map.h"
@@ -38,15 +40,31 @@ class Slurm : public testing::Test {
 
   static AddRequest SlurmRequest(const std::string& map) {
     AddRequest request = Request(map);
-    request.slurm =
-        SlurmOptions{.program = fs::read_symlink("/proc/self/exe").parent_path() / "waymark-map",
-                     .poll = std::chrono::milliseconds(100)};
+    request.slurm = SlurmOptions{.program = Program(), .poll = std::chrono::milliseconds(100)};
     return request;
   }
 
+  static fs::path Program() {
+    return fs::read_symlink("/proc/self/exe").parent_path() / "waymark-map";
+  }
+
+  /// The words of a user who adds a drive to a map.
+  static std::vector<std::string> AddWords(const std::string& map, const std::string& drive,
+                                           const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{Program(),
+                                   "add",
+                                   street_->MapFolder(map),
+                                   street_->folder() / drive,
+                                   "--subset-radius=4",
+                                   "--max-features=700",
+                                   "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
   /// Submaps and places are the same bytes.
-  static void ExpectSameMap(const std::string& map) {
-    const MapDirectory expected = street_->Open("reference");
+  static void ExpectSameMap(const std::string& map, const std::string& reference = "reference") {
+    const MapDirectory expected = street_->Open(reference);
     const MapDirectory found = street_->Open(map);
     const Release a = *expected.LoadCurrentRelease();
     const Release b = *found.LoadCurrentRelease();
@@ -84,6 +102,26 @@ TEST_F(Slurm, ANodeThatDiesAmidTheWorkChangesNothing) {
   EXPECT_FALSE(fs::exists(street_->MapFolder("clustered") / "experiences/drive/slurm"));
 }
 
+TEST_F(Slurm, ADetachedRunGoesOnByItself) {
+  if (!SlurmCluster::IsInstalled()) GTEST_SKIP() << "slurmctld, slurmd and munge are not installed";
+  ASSERT_EQ(CaptureProgram(AddWords("by_hand", "drive"))->status, 0);
+  SlurmCluster cluster(fs::path("/tmp") / fmt::format("waymark-slurm-{}", ::getpid()));
+  ASSERT_TRUE(cluster.is_ready());
+  const auto submitted = CaptureProgram(AddWords(
+      "detached", "drive",
+      {"--executor=slurm", "--detach", "--slurm-option=--chdir=" + street_->folder().string()}));
+  ASSERT_TRUE(submitted.ok()) << ToString(submitted.error());
+  EXPECT_EQ(submitted->status, 0) << submitted->output;
+  EXPECT_THAT(submitted->output, HasSubstr("goes on when the submaps are built"));
+  const MapDirectory map = street_->Open("detached");
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(3);
+  while (!map.LoadCurrentRelease() && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  ASSERT_TRUE(map.LoadCurrentRelease().ok());
+  ExpectSameMap("detached", "by_hand");
+}
+
 /// Stands before PATH with programs of Slurm's names, for what a healthy Slurm never does.
 class OddSlurm : public Slurm {
  protected:
@@ -96,14 +134,18 @@ class OddSlurm : public Slurm {
     Write("scancel", "exit 0\n");
     Write("squeue", "exit 0\n");
   }
-  void TearDown() override { ::setenv("PATH", path_.c_str(), 1); }
+  void TearDown() override {
+    ::setenv("PATH", path_.c_str(), 1);
+    fs::remove_all(programs_);
+  }
 
   void Write(const std::string& name, const std::string& text) const {
     std::ofstream(programs_ / name) << "#!/bin/sh\n" << text;
     fs::permissions(programs_ / name, fs::perms::owner_all);
   }
 
-  /// An sbatch that runs the jobs of an array whose index satisfies a shell condition on $i.
+  /// An sbatch that runs the jobs of an array whose index satisfies a shell condition on $i, and
+  /// every job that depends on another.
   void RunJobs(const std::string& condition) const {
     Write("sbatch",
           "for word in \"$@\"; do\n"
@@ -111,6 +153,7 @@ class OddSlurm : public Slurm {
           "    --output=*) log=${word#--output=}; log=${log%/*}/7_0.log;; esac\n"
           "  script=$word\n"
           "done\n"
+          "[ $last ] || { echo 8; sh $script >/dev/null 2>&1; exit 0; }\n"
           "round=$(cat '" +
               programs_.string() +
               "/round' 2>/dev/null || echo 0)\n"
@@ -135,6 +178,26 @@ TEST_F(OddSlurm, TasksThatWereLostAreSubmittedAgain) {
   const auto report = AddExperiences(SlurmRequest("lossy"));
   ASSERT_TRUE(report.ok()) << ToString(report.error());
   ExpectSameMap("lossy");
+}
+
+TEST_F(OddSlurm, ADetachedRunSubmitsAgainWhatWasLost) {
+  ASSERT_EQ(CaptureProgram(AddWords("in_one_go", "drive"))->status, 0);
+  RunJobs("[ $round -gt 0 ] || [ $((i % 2)) = 0 ]");
+  const auto words = AddWords("resumed", "drive", {"--executor=slurm", "--detach"});
+  const auto submitted = CaptureProgram(words);
+  EXPECT_THAT(submitted->output, HasSubstr("Slurm job 8 goes on"));
+  ExpectSameMap("resumed", "in_one_go");
+  EXPECT_EQ(*LoadTextFile(programs_ / "round"), "2\n");
+  EXPECT_THAT(CaptureProgram(words)->output, HasSubstr("is in the map already"));
+}
+
+TEST_F(OddSlurm, ADetachedRunEndsAfterItsRounds) {
+  RunJobs("false");
+  const auto submitted =
+      CaptureProgram(AddWords("hopeless", "drive", {"--executor=slurm", "--detach"}));
+  EXPECT_EQ(submitted->status, 0) << submitted->output;
+  EXPECT_EQ(*LoadTextFile(programs_ / "round"), "3\n");
+  EXPECT_FALSE(street_->Open("hopeless").LoadCurrentRelease().ok());
 }
 
 TEST_F(OddSlurm, AnErrorSaysWhatTheJobSaid) {
