@@ -15,15 +15,7 @@ Result<ColmapImport> ImportColmap(const fs::path& model_folder, const fs::path& 
                                   const fs::path& experience_folder) {
   WAYMARK_TRY(internal::CheckImportFolders(image_folder, experience_folder));
   WAYMARK_TRY_ASSIGN(const auto poses, internal::LoadColmapPoses(model_folder));
-  ColmapImport import{.experience = {.id = ExperienceId("import"),
-                                     .folder = experience_folder,
-                                     .cameras = {},
-                                     .rigs = {},
-                                     .images = {},
-                                     .gnss = {},
-                                     .accelerometer = {},
-                                     .gyroscope = {},
-                                     .trajectory = {}},
+  ColmapImport import{.experience = {.id = ExperienceId("import"), .folder = experience_folder},
                       .missing = {}};
   Experience& experience = import.experience;
   for (const auto& [id, model] : poses.cameras) {

@@ -16,15 +16,7 @@ namespace waymark::mapping {
 namespace {
 
 Experience MakeExperience(std::span<const ExportSubmap> submaps) {
-  Experience experience{.id = ExperienceId("map"),
-                        .folder = {},
-                        .cameras = {},
-                        .rigs = {},
-                        .images = {},
-                        .gnss = {},
-                        .accelerometer = {},
-                        .gyroscope = {},
-                        .trajectory = {}};
+  Experience experience{.id = ExperienceId("map")};
   std::map<std::pair<std::size_t, std::uint32_t>, std::string> cameras;
   std::int64_t second = 0;
   for (const internal::ExportedImage& image : internal::MergeImages(submaps).images) {
