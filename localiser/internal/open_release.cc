@@ -13,11 +13,13 @@ namespace {
 constexpr std::size_t kEntriesPerCell = 128;  // balances ranking cells with scanning them
 constexpr std::size_t kMaxCells = 4096;
 
+/// One where all submaps are so small that they are scanned whole: no cell is ever asked for.
 std::size_t WantedCells(std::span<const OpenSubmap> submaps) {
   std::size_t largest = 0;
   for (const OpenSubmap& submap : submaps) {
     largest = std::max(largest, submap.descriptors().size());
   }
+  if (largest < LandmarkSearchOptions{}.exhaustive_below) return 1;
   return std::clamp<std::size_t>(largest / kEntriesPerCell, 1, kMaxCells);
 }
 
