@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every anchor store promises about moves, bulk loads, expiry, limits and its change feed.
+// What every anchor store promises about moves, bulk loads, expiry and its change feed.
 #include <gmock/gmock.h>
 
 #include <atomic>
@@ -202,55 +202,6 @@ TEST_P(AnchorChanges, TwoServersWriteOneSequence) {
   const auto changes = store_->LoadChanges(0, 1000);
   ASSERT_TRUE(changes) << ToString(changes.error());
   EXPECT_EQ(changes->size(), 62u);
-}
-
-TEST_P(AnchorChanges, AnOwnerHoldsNoMoreThanAllowed) {
-  if (!GetParam().keeps) GTEST_SKIP() << "without limits";
-  Open({.limits = {.max_anchors_per_owner = 2, .max_payload_bytes_per_owner = 1000}});
-  const auto make = [](std::uint64_t n, std::size_t bytes) {
-    AnchorRecord record = MakeAnchor(n);
-    record.owner = "device";
-    record.payload = std::string(bytes, 'p');
-    return record;
-  };
-  AnchorRecord first = Applied(store_->Create(make(1, 300)));
-  const auto too_large = store_->Create(make(2, 701));
-  ASSERT_FALSE(too_large);
-  EXPECT_EQ(too_large.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_THAT(too_large.error().message, HasSubstr("at most 1000 bytes"));
-  Applied(store_->Create(make(2, 700)));
-  const auto too_many = store_->Create(make(3, 0));
-  ASSERT_FALSE(too_many);
-  EXPECT_THAT(too_many.error().message, HasSubstr("holds its 2 anchors already"));
-  Applied(store_->Create(make(1, 300)));  // a retry is no second one
-  AnchorRecord other_room = make(3, 0);
-  other_room.room = RoomId("other");
-  Applied(store_->Create(other_room));
-  first.payload += 'p';
-  EXPECT_FALSE(store_->Update(first, first.revision));
-  first.payload = "";
-  first = Applied(store_->Update(first, first.revision));
-  Applied(store_->Delete(first.room, first.id, first.revision));
-  Applied(store_->Create(make(3, 300)));
-}
-
-TEST_P(AnchorChanges, AnOwnerWritesNoFasterThanAllowed) {
-  if (!GetParam().keeps) GTEST_SKIP() << "without limits";
-  std::chrono::steady_clock::time_point now{};
-  Open({.limits = {.max_writes_per_second = 2, .max_burst = 3}, .clock = [&] { return now; }});
-  const auto write = [&](std::uint64_t n, const std::string& owner) {
-    AnchorRecord record = MakeAnchor(n);
-    record.owner = owner;
-    const auto outcome = store_->Create(record);
-    return outcome ? std::string("applied") : ToString(outcome.error());
-  };
-  for (std::uint64_t n = 1; n <= 3; ++n) EXPECT_EQ(write(n, "fast"), "applied");
-  EXPECT_THAT(write(4, "fast"), testing::AllOf(HasSubstr("unavailable"), HasSubstr("owner fast"),
-                                               HasSubstr("try again in 0.50 s")));
-  EXPECT_EQ(write(4, "other"), "applied");
-  now += 500ms;
-  EXPECT_EQ(write(5, "fast"), "applied");
-  EXPECT_THAT(write(6, "fast"), HasSubstr("try again"));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/pipeline/internal/levelling.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,9 +49,10 @@ TEST(Levelling, IsTrueOnEveryRouteOrSaysNothing) {
   for (int i = 0; i < kRoutes; ++i) {
     const Leans leans = LevelDrives(static_cast<Route>(i), 20);
     ASSERT_FALSE(leans.radians.empty()) << "route " << i;
-    std::printf("route %d: %zu of %d told; p50 %.4f p95 %.4f max %.4f rad\n", i,
-                leans.radians.size(), leans.asked, leans.Share(0.5), leans.Share(0.95),
-                leans.radians.back());
+    RecordProperty(
+        fmt::format("route_{}", i),
+        fmt::format("{} of {} told; p50 {:.4f} p95 {:.4f} max {:.4f} rad", leans.radians.size(),
+                    leans.asked, leans.Share(0.5), leans.Share(0.95), leans.radians.back()));
     EXPECT_LT(leans.Share(0.5), 0.02) << "route " << i;
     EXPECT_LT(leans.radians.back(), 0.08) << "route " << i;
     EXPECT_GT(leans.radians.size(), 0.7 * leans.asked) << "route " << i;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "tests/evaluation/simulated_drive.h"
@@ -18,11 +19,13 @@ TEST(RollingShutter, ModellingItHelpsWhereTheVehicleTurns) {
     const PoseErrors global = BuildAndCompare(route, {});
     const PoseErrors ignored = BuildAndCompare(route, {kReadoutS, 0});
     const PoseErrors modelled = BuildAndCompare(route, {kReadoutS, kReadoutS});
-    std::printf(
-        "p90 of %d, %d, %d images: global %.3f m %.4f rad, rolling ignored %.3f m %.4f rad, "
-        "modelled %.3f m %.4f rad\n",
-        global.images, ignored.images, modelled.images, global.p90_m, global.p90_rad, ignored.p90_m,
-        ignored.p90_rad, modelled.p90_m, modelled.p90_rad);
+    const auto figures = [](const PoseErrors& errors) {
+      return fmt::format("{} images, p90 {:.3f} m {:.4f} rad", errors.images, errors.p90_m,
+                         errors.p90_rad);
+    };
+    RecordProperty(route == Route::kCorner ? "corner" : "stop_and_go",
+                   fmt::format("global shutter {}; rolling, ignored {}; rolling, modelled {}",
+                               figures(global), figures(ignored), figures(modelled)));
     const double turning = route == Route::kCorner ? 0.3 : 0.8;  // what is left of the error
     EXPECT_LT(modelled.p90_m, turning * ignored.p90_m);
     EXPECT_EQ(modelled.images, global.images);

@@ -8,22 +8,15 @@ namespace waymark::session {
 namespace {
 
 using support::Eventually;
+using support::FindAnchor;
+using support::kAhead;
 using support::StandingPhone;
-
-const Transform<Device, Anchor> kAhead{Eigen::Quaterniond::Identity(), {2, 0, 0}};
 
 class ReleaseSwap : public support::SessionTest {
  protected:
   void SwapTo(std::uint64_t epoch) {
     const mapping::Release release = support::MakeRelease(epoch);
     server_->Swap({release, support::BelievePrior(release)});
-  }
-
-  static std::optional<SharedAnchor> FindAnchor(const DeviceSession& session, const AnchorId& id) {
-    for (const SharedAnchor& anchor : session.Anchors()) {
-      if (anchor.id == id) return anchor;
-    }
-    return std::nullopt;
   }
 
   /// Where the phone shows the anchor, in its own axes; asked again when the release changed

@@ -8,13 +8,12 @@ namespace {
 
 using support::Eventually;
 using support::FindAnchor;
+using support::kAhead;
 using support::Sees;
 using support::StandingPhone;
 using testing::HasSubstr;
 
 using SessionFailure = support::SessionTest;
-
-const Transform<Device, Anchor> kAhead(Eigen::Quaterniond::Identity(), {2, 0, 0});
 
 TEST_F(SessionFailure, ARestartedServerLosesNothingAndDevicesFindItAgain) {
   StartServer();

@@ -54,6 +54,9 @@ inline mapping::Release MakeRelease(std::uint64_t epoch = 1) {
   return release;
 }
 
+/// Where an anchor is placed: two metres before the device.
+inline const Transform<Device, Anchor> kAhead{Eigen::Quaterniond::Identity(), {2, 0, 0}};
+
 /// The camera looks along the device's x; both axes of the device are level when it is.
 inline Transform<Device, Camera> DeviceFromCamera() {
   Eigen::Matrix3d rotation;

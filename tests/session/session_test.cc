@@ -8,12 +8,11 @@ namespace {
 using support::Eventually;
 using support::FindAnchor;
 using support::FindOther;
+using support::kAhead;
 using support::Sees;
 using support::StandingPhone;
 
 using Session = support::SessionTest;
-
-const Transform<Device, Anchor> kAhead(Eigen::Quaterniond::Identity(), {2, 0, 0});
 
 TEST_F(Session, DevicesSeeEachOtherComeMoveAndGo) {
   StartServer();
