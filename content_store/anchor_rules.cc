@@ -182,23 +182,6 @@ std::string ContentFingerprint(const AnchorRecord& record) {
   return ContentHash(internal::EncodeForFingerprint({.record = std::move(content)}));
 }
 
-bool MaySee(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
-  switch (record.visibility) {
-    case AnchorVisibility::kPublic:
-      return true;
-    case AnchorVisibility::kRoom:
-      return record.room == from_room;
-    case AnchorVisibility::kPrivate:
-      break;
-  }
-  return record.room == from_room && record.owner == device;
-}
-
-bool MayEdit(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
-  return record.room == from_room && MaySee(record, from_room, device) &&
-         (record.editing == AnchorEditing::kEveryone || record.owner == device);
-}
-
 bool IsText(std::string_view bytes) {
   while (!bytes.empty()) {
     const std::size_t length = CharacterLength(bytes);

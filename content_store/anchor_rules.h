@@ -26,8 +26,17 @@ std::string ContentFingerprint(const AnchorRecord& record);
 /// Well-formed UTF-8 (no surrogates, nothing overlong) without NUL.
 bool IsText(std::string_view bytes);
 
-/// Whether a device in a room may see an anchor, or change and delete it.
-bool MaySee(const AnchorRecord& record, const RoomId& from_room, std::string_view device);
-bool MayEdit(const AnchorRecord& record, const RoomId& from_room, std::string_view device);
+/// Whether a device in a room may see an anchor.
+inline bool MaySee(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
+  if (record.visibility == AnchorVisibility::kPublic) return true;
+  const bool is_private = record.visibility == AnchorVisibility::kPrivate;
+  return record.room == from_room && (!is_private || record.owner == device);
+}
+
+/// Whether a device in a room may change and delete an anchor.
+inline bool MayEdit(const AnchorRecord& record, const RoomId& from_room, std::string_view device) {
+  return record.room == from_room && MaySee(record, from_room, device) &&
+         (record.editing == AnchorEditing::kEveryone || record.owner == device);
+}
 
 }  // namespace waymark::content

@@ -58,6 +58,9 @@ class AnchorStore {
   /// Replaces everything but owner and time of creation if the revision is still the expected one.
   virtual Result<WriteOutcome> Update(const AnchorRecord& record,
                                       std::uint64_t expected_revision) = 0;
+  /// Updates many, each if its revision is still the one that its record carries, in few
+  /// transactions. Owners' rates do not count here.
+  virtual std::vector<Result<WriteOutcome>> UpdateMany(std::span<const AnchorRecord> records) = 0;
   /// Gives an anchor another place if the revision is still the expected one.
   virtual Result<WriteOutcome> Move(const AnchorMove& move, std::uint64_t expected_revision) = 0;
   /// Deletes if the revision is the expected one; deleting what is gone is a conflict with nothing.

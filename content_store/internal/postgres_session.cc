@@ -90,10 +90,20 @@ void PostgresSession::Listen() { sql_ << "LISTEN waymark_anchors"; }
 
 void PostgresSession::AwaitAnnouncement(std::chrono::milliseconds timeout) {
   PGconn* const connection = Native(sql_);
+  const auto take_all = [&] {
+    bool has_any = false;
+    (void)PQconsumeInput(connection);
+    while (PGnotify* notification = PQnotifies(connection)) {
+      PQfreemem(notification);
+      has_any = true;
+    }
+    return has_any;
+  };
+  // One that came with the answer to a query is here already; its socket stays silent about it.
+  if (take_all() || timeout.count() <= 0) return;
   pollfd socket{.fd = PQsocket(connection), .events = POLLIN, .revents = 0};
-  if (timeout.count() > 0) (void)::poll(&socket, 1, static_cast<int>(timeout.count()));
-  (void)PQconsumeInput(connection);
-  while (PGnotify* notification = PQnotifies(connection)) PQfreemem(notification);
+  (void)::poll(&socket, 1, static_cast<int>(timeout.count()));
+  (void)take_all();
 }
 
 }  // namespace waymark::content::internal

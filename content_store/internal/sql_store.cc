@@ -30,7 +30,12 @@ class SqlStore final : public AnchorStore {
     WAYMARK_TRY(Validate(record));
     return RunOne({WriteKind::kCreate, record});
   }
-  std::vector<Result<WriteOutcome>> CreateMany(std::span<const AnchorRecord> records) override;
+  std::vector<Result<WriteOutcome>> CreateMany(std::span<const AnchorRecord> records) override {
+    return WriteMany(WriteKind::kCreate, records);
+  }
+  std::vector<Result<WriteOutcome>> UpdateMany(std::span<const AnchorRecord> records) override {
+    return WriteMany(WriteKind::kUpdate, records);
+  }
   Result<WriteOutcome> Update(const AnchorRecord& record,
                               std::uint64_t expected_revision) override {
     WAYMARK_TRY(Validate(record));
@@ -102,6 +107,8 @@ class SqlStore final : public AnchorStore {
   Result<WriteOutcome> RunOne(const WriteRequest& request) {
     return std::move(queue_.Run({&request, 1}).front());
   }
+  std::vector<Result<WriteOutcome>> WriteMany(WriteKind kind,
+                                              std::span<const AnchorRecord> records);
   std::vector<Result<WriteOutcome>> Commit(const std::vector<const WriteRequest*>& requests);
   Result<void> PrepareWriter();
 
@@ -118,7 +125,8 @@ class SqlStore final : public AnchorStore {
   std::uint64_t commits_ = 0;  // guarded by committed_mutex_
 };
 
-std::vector<Result<WriteOutcome>> SqlStore::CreateMany(std::span<const AnchorRecord> records) {
+std::vector<Result<WriteOutcome>> SqlStore::WriteMany(WriteKind kind,
+                                                      std::span<const AnchorRecord> records) {
   constexpr std::size_t kMaxRequests = 1024, kMaxBytes = std::size_t{4} << 20;
   std::vector<Result<WriteOutcome>> outcomes;
   outcomes.reserve(records.size());
@@ -131,7 +139,7 @@ std::vector<Result<WriteOutcome>> SqlStore::CreateMany(std::span<const AnchorRec
       outcomes.push_back(valid ? Result<WriteOutcome>(WriteConflict{}) : valid.error());
       if (!valid) continue;
       bytes += records[begin].payload.size();
-      requests.push_back({WriteKind::kCreate, records[begin], 0, false});
+      requests.push_back({kind, records[begin], records[begin].revision, false});
     }
     auto written = queue_.Run(requests);
     auto next = written.begin();

@@ -17,7 +17,7 @@
 namespace waymark::support {
 
 /// Anchors in memory, for tests of those who use a store: the same answers, no disk. Thread-safe.
-class MemoryAnchorStore final : public content::AnchorStore {
+class MemoryAnchorStore : public content::AnchorStore {
  public:
   Result<content::WriteOutcome> Create(const content::AnchorRecord& record) override {
     WAYMARK_TRY(content::Validate(record));
@@ -62,6 +62,13 @@ class MemoryAnchorStore final : public content::AnchorStore {
       std::span<const content::AnchorRecord> records) override {
     std::vector<Result<content::WriteOutcome>> outcomes;
     for (const content::AnchorRecord& record : records) outcomes.push_back(Create(record));
+    return outcomes;
+  }
+
+  std::vector<Result<content::WriteOutcome>> UpdateMany(
+      std::span<const content::AnchorRecord> records) override {
+    std::vector<Result<content::WriteOutcome>> outcomes;
+    for (const auto& record : records) outcomes.push_back(Update(record, record.revision));
     return outcomes;
   }
 
