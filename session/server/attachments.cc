@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "session/state/carrying.h"
+
 namespace waymark::session {
 namespace {
 
@@ -22,6 +24,11 @@ content::SubmapAttachment Attach(const Transform<Map, Anchor>& map_from_anchor,
   return {submap.id, CarryPose(submap.map_from_submap.Inverse(), map_from_anchor)};
 }
 
+double OutsideDistance_m(const ReleasedSubmap& submap, const Eigen::Vector3d& position_in_map) {
+  const double to_centre_m = (submap.centre.coordinates() - position_in_map).norm();
+  return std::max(0.0, to_centre_m - submap.radius_m);
+}
+
 struct Neighbour {
   double distance_m;  // outside the circle of its cameras
   double to_centre_m;
@@ -33,7 +40,7 @@ std::vector<Neighbour> FindNeighbours(const Eigen::Vector3d& position_in_map,
   std::vector<Neighbour> neighbours;
   for (const ReleasedSubmap& submap : release.submaps) {
     const double to_centre_m = (submap.centre.coordinates() - position_in_map).norm();
-    const double distance_m = std::max(0.0, to_centre_m - submap.radius_m);
+    const double distance_m = OutsideDistance_m(submap, position_in_map);
     if (distance_m <= kMaxDistance_m) neighbours.push_back({distance_m, to_centre_m, &submap});
   }
   std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) {
@@ -41,6 +48,47 @@ std::vector<Neighbour> FindNeighbours(const Eigen::Vector3d& position_in_map,
            std::tie(b.distance_m, b.to_centre_m, b.submap->id);
   });
   return neighbours;
+}
+
+std::size_t CountLive(const content::AnchorRecord& record, const LiveRelease& live) {
+  return std::ranges::count_if(record.attachments, [&](const auto& attachment) {
+    return live.placements.contains(attachment.submap);
+  });
+}
+
+/// Three attachments, as far as there are submaps. Those left keep their order, or the anchor would
+/// move by what they moved against each other; a new one goes before them if it is nearer.
+std::vector<content::SubmapAttachment> Replenish(const content::AnchorRecord& in_live_map,
+                                                 const LiveRelease& live) {
+  std::vector<content::SubmapAttachment> kept, lost, nearer, farther;
+  for (const content::SubmapAttachment& attachment : in_live_map.attachments) {
+    (live.placements.contains(attachment.submap) ? kept : lost).push_back(attachment);
+  }
+  const Eigen::Vector3d position_in_map = in_live_map.map_from_anchor.translation();
+  const double kept_m =
+      OutsideDistance_m(*FindSubmap(live.release, kept.front().submap), position_in_map);
+  std::size_t missing = kMaxAttachments - kept.size();
+  for (const Neighbour& neighbour : FindNeighbours(position_in_map, live.release)) {
+    const bool is_known = std::ranges::any_of(
+        kept, [&](const auto& attachment) { return attachment.submap == neighbour.submap->id; });
+    if (is_known || missing == 0) continue;
+    --missing;
+    (neighbour.distance_m < kept_m ? nearer : farther)
+        .push_back(Attach(in_live_map.map_from_anchor, *neighbour.submap));
+  }
+  for (const auto* more : {&kept, &farther, &lost}) {
+    nearer.insert(nearer.end(), more->begin(), more->end());
+  }
+  while (nearer.size() > kMaxAttachments) nearer.pop_back();
+  return nearer;
+}
+
+/// The anchor in the map of a release and attached to its submaps; as it was if none holds it.
+content::AnchorRecord HoldIn(const LiveRelease& live, const content::AnchorRecord& record) {
+  RoomAnchor carried = CarryAnchor(record, live.release.epoch, live.placements);
+  if (!carried.is_supported) return record;
+  carried.record.attachments = Replenish(carried.record, live);
+  return std::move(carried.record);
 }
 
 }  // namespace
@@ -72,6 +120,24 @@ Placements PlacementsOf(const mapping::Release& release) {
     placements.emplace(submap.id, submap.map_from_submap);
   }
   return placements;
+}
+
+std::optional<content::AnchorRecord> RenewSupport(const content::AnchorRecord& record,
+                                                  const LiveRelease& live,
+                                                  const LiveRelease* before,
+                                                  const TangentPlane& map_plane) {
+  const std::size_t live_count = CountLive(record, live);
+  const bool is_marked = record.unsupported_since_epoch.has_value();
+  if (record.attachments.empty() || (live_count == kMaxAttachments && !is_marked)) return {};
+  const bool needs_help = live_count == 0 && before != nullptr && !is_marked;
+  content::AnchorRecord next = HoldIn(live, needs_help ? HoldIn(*before, record) : record);
+  const std::size_t next_count = CountLive(next, live);
+  if (next_count == live_count && is_marked == (next_count == 0)) return {};
+  next.epoch = live.release.epoch;
+  next.unsupported_since_epoch.reset();
+  if (next_count == 0) next.unsupported_since_epoch = next.epoch;
+  next.place = map_plane.ToGeo(Point<Map>(next.map_from_anchor.translation()));
+  return next;
 }
 
 }  // namespace waymark::session

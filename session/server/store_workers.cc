@@ -3,7 +3,6 @@
 
 #include <chrono>
 
-#include "session/server/attachments.h"
 #include "session/state/carrying.h"
 
 namespace waymark::session {
@@ -25,8 +24,12 @@ const std::string& OrderKey(const StoreWorkers::Task& task) {
 
 StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
                            const GeoPoint& map_origin, std::function<void(Event)> report)
-    : store_(std::move(store)), map_plane_(map_origin), report_(std::move(report)) {
-  SetRelease(std::move(release));
+    : store_(std::move(store)),
+      map_plane_(map_origin),
+      report_(std::move(report)),
+      live_(std::make_shared<const LiveRelease>(std::move(release))),
+      follower_(*store_, report_),
+      keeper_(*store_, map_plane_, live_) {
   for (Worker& worker : workers_) worker.thread = std::thread([&] { Work(worker); });
 }
 
@@ -36,13 +39,13 @@ void StoreWorkers::Submit(Task task) {
   Worker& worker = workers_[std::hash<std::string>{}(OrderKey(task)) % kWorkers];
   const std::lock_guard lock(mutex_);
   if (is_finishing_) return;
-  worker.tasks.push_back(std::move(task));
+  worker.jobs.push_back({std::move(task), live_});
   worker.changed.notify_one();
 }
 
 void StoreWorkers::SetRelease(mapping::Release release) {
-  Placements placements = PlacementsOf(release);
-  auto live = std::make_shared<const Live>(std::move(release), std::move(placements));
+  auto live = std::make_shared<const LiveRelease>(std::move(release));
+  keeper_.SetRelease(live);
   const std::lock_guard lock(mutex_);
   live_ = std::move(live);
 }
@@ -56,23 +59,24 @@ void StoreWorkers::Finish() {
     worker.changed.notify_one();
     if (worker.thread.joinable()) worker.thread.join();
   }
+  keeper_.Finish();
+  follower_.Finish();
 }
 
 void StoreWorkers::Work(Worker& worker) {
   std::unique_lock lock(mutex_);
   for (;;) {
-    worker.changed.wait(lock, [&] { return !worker.tasks.empty() || is_finishing_; });
-    if (worker.tasks.empty()) return;
-    const Task task = std::move(worker.tasks.front());
-    worker.tasks.pop_front();
-    const std::shared_ptr<const Live> live = live_;
+    worker.changed.wait(lock, [&] { return !worker.jobs.empty() || is_finishing_; });
+    if (worker.jobs.empty()) return;
+    const Job job = std::move(worker.jobs.front());
+    worker.jobs.pop_front();
     lock.unlock();
-    report_(std::visit([&](const auto& wanted) { return Do(wanted, *live); }, task));
+    report_(std::visit([&](const auto& wanted) { return Do(wanted, *job.live); }, job.task));
     lock.lock();
   }
 }
 
-Event StoreWorkers::Do(const effect::LoadRoom& task, const Live& live) {
+Event StoreWorkers::Do(const effect::LoadRoom& task, const LiveRelease& live) {
   const auto in_map = [&](const content::AnchorRecord& record) {
     return CarryAnchor(record, live.release.epoch, live.placements);
   };
@@ -85,7 +89,7 @@ Event StoreWorkers::Do(const effect::LoadRoom& task, const Live& live) {
   return loaded;
 }
 
-Event StoreWorkers::Do(const effect::WriteAnchor& task, const Live& live) {
+Event StoreWorkers::Do(const effect::WriteAnchor& task, const LiveRelease& live) {
   const auto in_map = [&](const content::AnchorRecord& record) {
     return CarryAnchor(record, live.release.epoch, live.placements);
   };
@@ -102,7 +106,7 @@ Event StoreWorkers::Do(const effect::WriteAnchor& task, const Live& live) {
 }
 
 Result<content::WriteOutcome> StoreWorkers::Write(const effect::WriteAnchor& task,
-                                                  const Live& live) {
+                                                  const LiveRelease& live) {
   if (task.operation == AnchorOperation::kDelete) {
     return store_->Delete(task.record.room, task.record.id, task.expected_revision);
   }

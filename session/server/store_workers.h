@@ -13,6 +13,9 @@
 #include "content_store/anchor_store.h"
 #include "mapping/geometry/geodesy.h"
 #include "mapping/store/release.h"
+#include "session/server/anchor_keeper.h"
+#include "session/server/attachments.h"
+#include "session/server/store_follower.h"
 #include "session/state/events.h"
 
 namespace waymark::session {
@@ -20,12 +23,13 @@ namespace waymark::session {
 /// Does the state's store work on threads of its own: a sync to disk must not hold up the poses,
 /// and writes at the same moment share one. What concerns the same anchor stays in order. Knows the
 /// release, so that anchors are attached to submaps when written and carried to the live epoch when
-/// read. Thread-safe.
+/// read. Has the store followed and its anchors looked after. Thread-safe.
 class StoreWorkers {
  public:
   using Task = std::variant<effect::LoadRoom, effect::WriteAnchor>;
 
-  /// `report` gets RoomLoaded or WriteFinished for each task, on a worker's thread.
+  /// `report` gets RoomLoaded or WriteFinished for each task, and StoreChanged for all that changes
+  /// in the store from now on, on threads of ours.
   StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
                const GeoPoint& map_origin, std::function<void(Event)> report);
   StoreWorkers(const StoreWorkers&) = delete;
@@ -33,38 +37,38 @@ class StoreWorkers {
   ~StoreWorkers();  ///< after Finish
 
   void Submit(Task task);
-  /// What is begun from now on is done in this release.
+  /// What is submitted from now on is in this release.
   void SetRelease(mapping::Release release);
   /// Takes no more, does what was submitted, and returns when all of it is reported.
   void Finish();
 
  private:
+  struct Job {
+    Task task;
+    std::shared_ptr<const LiveRelease> live;  // when it was submitted
+  };
   struct Worker {
     std::condition_variable changed;
-    std::deque<Task> tasks;
+    std::deque<Job> jobs;
     std::thread thread;
   };
 
   static constexpr std::size_t kWorkers = 4;
 
   void Work(Worker& worker);
-  /// A release with its submaps by name.
-  struct Live {
-    mapping::Release release;
-    Placements placements;
-  };
-
-  Event Do(const effect::LoadRoom& task, const Live& live);
-  Event Do(const effect::WriteAnchor& task, const Live& live);
-  Result<content::WriteOutcome> Write(const effect::WriteAnchor& task, const Live& live);
+  Event Do(const effect::LoadRoom& task, const LiveRelease& live);
+  Event Do(const effect::WriteAnchor& task, const LiveRelease& live);
+  Result<content::WriteOutcome> Write(const effect::WriteAnchor& task, const LiveRelease& live);
 
   const std::unique_ptr<content::AnchorStore> store_;
   const TangentPlane map_plane_;
   const std::function<void(Event)> report_;
   std::mutex mutex_;
-  std::shared_ptr<const Live> live_;      // guarded by mutex_
-  std::array<Worker, kWorkers> workers_;  // their tasks are guarded by mutex_
-  bool is_finishing_ = false;             // guarded by mutex_
+  std::shared_ptr<const LiveRelease> live_;  // guarded by mutex_
+  std::array<Worker, kWorkers> workers_;     // their jobs are guarded by mutex_
+  bool is_finishing_ = false;                // guarded by mutex_
+  StoreFollower follower_;                   // before any room is read
+  AnchorKeeper keeper_;
 };
 
 }  // namespace waymark::session

@@ -3,21 +3,14 @@
 
 #include <fmt/format.h>
 
+#include "content_store/anchor_rules.h"
+
 namespace waymark::session {
 namespace {
 
-constexpr double kSamePosition_m = 1e-6;
-constexpr double kSameRotation_rad = 1e-6;
-
-bool IsSamePose(const Rigid3& a, const Rigid3& b) {
-  return (a.translation() - b.translation()).norm() < kSamePosition_m &&
-         AngleBetween(a.rotation(), b.rotation()).radians() < kSameRotation_rad;
-}
-
 bool IsDone(AnchorOperation operation, const content::AnchorRecord& intended,
             const content::AnchorRecord& current) {
-  const bool same_pose =
-      IsSamePose(intended.map_from_anchor.rigid(), current.map_from_anchor.rigid());
+  const bool same_pose = IsSamePose(intended.map_from_anchor, current.map_from_anchor);
   if (operation == AnchorOperation::kMove) return same_pose;
   return operation == AnchorOperation::kCreate && same_pose && intended.kind == current.kind &&
          intended.payload == current.payload && intended.owner == current.owner;
@@ -53,12 +46,13 @@ std::variant<CommandVerdict, IntendedWrite> DecideCreation(const AnchorCommand& 
 }
 
 std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& command,
-                                                         const RoomMember& member,
+                                                         const RoomMember& member, const Room& room,
                                                          const RoomAnchor& current,
                                                          const AnchorRules& rules) {
-  const bool is_owners_alone = rules.rights == AnchorRights::kOwner ||
-                               current.record.editing == content::AnchorEditing::kOwner;
-  if (is_owners_alone && current.record.owner != member.device.text()) {
+  const std::string& device = member.device.text();
+  const bool may_edit = content::MayEdit(current.record, member.room, device) &&
+                        (rules.rights == AnchorRights::kEveryone || current.record.owner == device);
+  if (!may_edit) {
     return CommandVerdict{
         CommandOutcome::kInvalid,
         fmt::format("anchor {}: belongs to device {}", command.anchor.text(), current.record.owner),
@@ -69,14 +63,19 @@ std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& co
     record.map_from_anchor = command.map_from_anchor;
     record.epoch = command.epoch;
     record.attachments.clear();
+    record.unsupported_since_epoch.reset();
   }
-  if (current.record.revision != command.expected_revision) {
+  if (!room.IsUpToDate(current, command.expected_revision)) {
     return DecideConflict(command.operation, record, current);
   }
-  return IntendedWrite{std::move(record), command.expected_revision};
+  return IntendedWrite{std::move(record), current.record.revision};
 }
 
 }  // namespace
+
+bool IsForTheRoom(const content::AnchorRecord& record) {
+  return record.visibility != content::AnchorVisibility::kPrivate;
+}
 
 std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& command,
                                                           const RoomMember& member,
@@ -99,7 +98,7 @@ std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& c
         fmt::format("anchor {}: room {} has none", command.anchor.text(), member.room.text()),
         std::nullopt};
   }
-  return DecideChange(command, member, found->second, rules);
+  return DecideChange(command, member, room, found->second, rules);
 }
 
 CommandVerdict DecideConflict(AnchorOperation operation, const content::AnchorRecord& intended,

@@ -31,6 +31,9 @@ struct IntendedWrite {
   std::uint64_t expected_revision = 0;
 };
 
+/// What is sent is seen by all in the room, so what is its owner's alone never leaves the store.
+bool IsForTheRoom(const content::AnchorRecord& record);
+
 /// Decides a command of a member against the room as acknowledged so far. The store has the last
 /// word: another command may be under way.
 std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& command,

@@ -54,6 +54,10 @@ struct WriteFinished {
   WriteNumber write{};
   Result<std::variant<Applied, Conflict>> outcome;
 };
+/// What the store's change feed tells, oldest first: everybody's writes, ours too.
+struct StoreChanged {
+  std::vector<content::AnchorChange> changes;
+};
 /// An image of the device was found in a submap.
 struct Localised {
   DeviceId device;
@@ -71,8 +75,8 @@ struct Ticked {};
 
 using Event =
     std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
-                 event::CommandReceived, event::RoomLoaded, event::WriteFinished, event::Localised,
-                 event::ReleaseSwapped, event::Ticked>;
+                 event::CommandReceived, event::RoomLoaded, event::WriteFinished,
+                 event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked>;
 
 namespace effect {
 

@@ -4,11 +4,35 @@
 #include <algorithm>
 
 namespace waymark::session {
+namespace {
+
+constexpr double kSamePosition_m = 1e-6;
+constexpr double kSameRotation_rad = 1e-6;
+
+}  // namespace
+
+bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b) {
+  return (a.translation() - b.translation()).norm() < kSamePosition_m &&
+         AngleBetween(a.rotation(), b.rotation()).radians() < kSameRotation_rad;
+}
+
+bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b) {
+  return a.epoch == b.epoch && IsSamePose(a.map_from_anchor, b.map_from_anchor) &&
+         a.kind == b.kind && a.payload == b.payload && a.link == b.link &&
+         a.visibility == b.visibility && a.editing == b.editing &&
+         a.expires_utc_ms == b.expires_utc_ms;
+}
 
 void Room::Put(const RoomAnchor& anchor) {
   const std::uint64_t new_revision = anchor.record.revision;
   if (const auto found = anchors.find(anchor.record.id); found != anchors.end()) {
-    if (found->second.record.revision > new_revision) return;
+    const std::uint64_t known_revision = found->second.record.revision;
+    if (known_revision > new_revision) return;
+    if (!LooksTheSame(found->second.record, anchor.record)) {
+      same_since.erase(anchor.record.id);
+    } else if (known_revision < new_revision) {
+      same_since.try_emplace(anchor.record.id, known_revision);
+    }
     digest ^= AnchorDigest(anchor.record.id, found->second.record.revision);
   }
   anchors.insert_or_assign(anchor.record.id, anchor);
@@ -20,8 +44,16 @@ void Room::Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion) {
   if (const auto found = anchors.find(anchor); found != anchors.end()) {
     digest ^= AnchorDigest(anchor, found->second.record.revision);
     anchors.erase(found);
+    same_since.erase(anchor);
   }
   revision = std::max(revision, revision_of_deletion);
+}
+
+bool Room::IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const {
+  const std::uint64_t latest = anchor.record.revision;
+  const auto same = same_since.find(anchor.record.id);
+  const std::uint64_t first = same == same_since.end() ? latest : same->second;
+  return first <= known_revision && known_revision <= latest;
 }
 
 }  // namespace waymark::session

@@ -29,7 +29,11 @@ struct RoomMember {
   std::deque<CommandReply> answered;  ///< oldest first, for repetitions
 };
 
-/// A room in memory. Its anchors are those that the store has acknowledged.
+bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b);
+/// Whether two states of an anchor are the same to people: at most its submaps differ.
+bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b);
+
+/// A room in memory. Its anchors are those that the store has acknowledged and all may see.
 struct Room {
   bool is_open = false;                       ///< false: its anchors are being read
   std::vector<event::HelloReceived> waiting;  ///< while not open
@@ -38,11 +42,19 @@ struct Room {
   std::uint64_t revision = 0;
   std::uint64_t digest = 0;
   std::size_t writes_under_way = 0;
+  std::uint64_t followed = 0;                ///< up to here the store's feed has told everything
+  std::set<AnchorId> removed;                ///< deleted here; the feed has not told it yet
+  std::vector<content::AnchorChange> early;  ///< told while not open
+  /// Since which revision people see an anchor as it is: later ones only attached it anew.
+  std::map<AnchorId, std::uint64_t> same_since;
   ServerTime last_used;
 
-  /// Brings an anchor to the state that the store acknowledged; a later state wins.
+  /// Brings an anchor to the state that the store acknowledged; a later state wins. States are
+  /// compared, so both must be in the live map.
   void Put(const RoomAnchor& anchor);
   void Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion);
+  /// Whether who knows this revision of an anchor knows it as it is.
+  bool IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const;
 };
 
 }  // namespace waymark::session

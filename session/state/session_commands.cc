@@ -73,25 +73,32 @@ void SessionState::On(const event::WriteFinished& event, Step& step) {
   if (!event.outcome.ok()) {
     verdict = {CommandOutcome::kUnavailable, ToString(event.outcome.error()), std::nullopt};
   } else if (const auto* applied = std::get_if<event::WriteFinished::Applied>(&*event.outcome)) {
-    if (write.operation == AnchorOperation::kDelete) {
-      room.Remove(write.intended.id, applied->anchor.record.revision);
-      step.effects.push_back(effect::WithdrawAnchor{id, write.intended.id});
-    } else {
-      const RoomAnchor anchor = InLiveMap(applied->anchor);
-      room.Put(anchor);
-      step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, anchor}});
-      verdict.current = anchor;
-    }
-    PublishState(id, room, step);
+    Acknowledge(room, write, InLiveMap(applied->anchor), step);
+    if (write.operation != AnchorOperation::kDelete) verdict.current = InLiveMap(applied->anchor);
   } else {
     auto current = std::get<event::WriteFinished::Conflict>(*event.outcome).current;
     if (current) current = InLiveMap(*current);
     verdict = DecideConflict(write.operation, write.intended, current);
   }
+  if (verdict.current && !IsForTheRoom(verdict.current->record)) verdict.current.reset();
   const auto member = members_.find(write.device);
   if (member == members_.end()) return;  // left meanwhile; what was written stays
   member->second.under_way.erase(write.request);
   Answer(member->second, write.request, write.intended.id, verdict, step);
+}
+
+// What the store's feed has told already, and what came after it, is not to be told again.
+void SessionState::Acknowledge(Room& room, const PendingWrite& write, const RoomAnchor& written,
+                               Step& step) {
+  const std::uint64_t revision = written.record.revision;
+  if (revision <= room.followed) return;
+  if (write.operation == AnchorOperation::kDelete) {
+    room.removed.insert(write.intended.id);
+    Hide(room, write.intended.room, write.intended.id, revision, step);
+  } else {
+    Show(room, written, step);
+  }
+  PublishState(write.intended.room, room, step);
 }
 
 void SessionState::Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "session/state/session_state.h"
 
@@ -115,12 +116,11 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
   }
   room.is_open = true;
   room.waiting.clear();
-  room.revision = *event.revision;
+  room.revision = room.followed = *event.revision;
   step.effects.push_back(effect::OpenRoom{event.room});
-  for (const RoomAnchor& loaded : event.anchors) {
-    const RoomAnchor anchor = InLiveMap(loaded);
-    room.Put(anchor);
-    step.effects.push_back(effect::PublishAnchor{event.room, AnchorState{run_, anchor}});
+  for (const RoomAnchor& loaded : event.anchors) Show(room, InLiveMap(loaded), step);
+  for (const content::AnchorChange& change : std::exchange(room.early, {})) {
+    Follow(room, change, step);
   }
   PublishState(event.room, room, step);
   for (const event::HelloReceived& hello : waiting) Admit(hello, step);

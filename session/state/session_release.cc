@@ -62,6 +62,10 @@ void SessionState::PublishMap(const RoomId& id, const Room& room, Step& step) {
   step.effects.push_back(effect::PublishMapState{std::move(state)});
 }
 
+RoomAnchor SessionState::InLiveMap(const content::AnchorRecord& record) const {
+  return placements_ ? CarryAnchor(record, map_.epoch, *placements_) : RoomAnchor{record};
+}
+
 RoomAnchor SessionState::InLiveMap(const RoomAnchor& anchor) const {
   if (anchor.record.epoch == map_.epoch || !placements_) return anchor;
   return CarryAnchor(anchor.record, map_.epoch, *placements_);

@@ -62,6 +62,7 @@ class SessionState {
   void On(const event::CommandReceived& event, Step& step);
   void On(const event::RoomLoaded& event, Step& step);
   void On(const event::WriteFinished& event, Step& step);
+  void On(const event::StoreChanged& event, Step& step);
   void On(const event::Localised& event, Step& step);
   void On(const event::ReleaseSwapped& event, Step& step);
   void On(const event::Ticked& event, Step& step);
@@ -75,8 +76,14 @@ class SessionState {
   void PublishPoses(const RoomId& id, const Room& room, Step& step);
   void PublishState(const RoomId& id, const Room& room, Step& step);
   void PublishMap(const RoomId& id, const Room& room, Step& step);
+  bool Follow(Room& room, const content::AnchorChange& change, Step& step);
+  void Show(Room& room, const RoomAnchor& anchor, Step& step);
+  void Hide(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
+            Step& step);
+  RoomAnchor InLiveMap(const content::AnchorRecord& record) const;
   RoomAnchor InLiveMap(const RoomAnchor& anchor) const;
   AnchorCommand InLiveMap(const AnchorCommand& command) const;
+  void Acknowledge(Room& room, const PendingWrite& write, const RoomAnchor& written, Step& step);
   void Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
               const CommandVerdict& verdict, Step& step);
   RoomMember* FindHeard(Ticket ticket, ServerTime now);

@@ -29,7 +29,7 @@ void ParseArguments(CLI::App& app, Arguments& arguments) {
   app.add_option("--map", arguments.map, "Map folder with a deployed release")->required();
   app.add_option("--store", arguments.store,
                  "Anchor store, created if absent: a file, or postgresql://user@host/database, "
-                 "which several servers may share if each room is served by one of them")
+                 "which several servers may share")
       ->required();
   app.add_option("--domain", arguments.server.dds_domain, "DDS domain, 0 to 230")
       ->capture_default_str();

@@ -126,5 +126,48 @@ TEST_F(ReleaseSwap, WhoComesLaterStandsInTheNewRelease) {
   EXPECT_EQ(late->Statistics().map_changes, 0);
 }
 
+/// As MakeRelease, with three submaps of which each next release has one anew.
+mapping::Release MakeChained(std::uint64_t epoch) {
+  mapping::Release release = support::MakeRelease(epoch);
+  const mapping::ReleasedSubmap like = release.submaps.front();
+  release.submaps.clear();
+  for (std::uint64_t number = epoch; number < epoch + 3; ++number) {
+    release.submaps.push_back(like);
+    release.submaps.back().id = SubmapId(fmt::format("{:032x}", number));
+  }
+  return release;
+}
+
+TEST_F(ReleaseSwap, AnAnchorOutlivesAllSubmapsThatItBeganWith) {
+  StartServer(MakeChained(1));
+  const auto anna = Join("Anna");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  const auto placed = anna->PlaceAnchor(kAhead, "note", "hello");
+  ASSERT_TRUE(placed.ok()) << ToString(placed.error());
+  std::uint64_t revision = placed->revision;
+  for (std::uint64_t epoch = 2; epoch <= 6; ++epoch) {
+    const mapping::Release release = MakeChained(epoch);
+    server_->Swap({release, support::BelievePrior(release)});
+    ASSERT_TRUE(Eventually([&] {
+      const auto anchor = FindAnchor(*anna, placed->id);
+      return anchor && anchor->epoch == epoch && anchor->revision > revision;
+    })) << "it is attached anew in epoch "
+        << epoch;
+    const auto anchor = FindAnchor(*anna, placed->id);
+    revision = anchor->revision;
+    EXPECT_TRUE(anchor->is_supported);
+    const double east_m = 5.0 * (static_cast<double>(epoch) - 1);
+    EXPECT_LT((anchor->map_from_anchor.translation() - placed->map_from_anchor.translation() -
+               Eigen::Vector3d(east_m, 0, 0))
+                  .norm(),
+              1e-6);
+  }
+  SharedAnchor known = *FindAnchor(*anna, placed->id);
+  known.revision = revision - 1;  // what the application read before it was attached anew
+  const auto moved = anna->MoveAnchor(known, known.map_from_anchor);
+  EXPECT_TRUE(moved.ok()) << ToString(moved.error());
+}
+
 }  // namespace
 }  // namespace waymark::session

@@ -80,7 +80,7 @@ inline LocaliseFunction BelievePrior(const mapping::Release& release) {
     answer.pose = localiser::LocalisedPose{
         .map_from_camera = map_from_camera,
         .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
-        .submap = kSubmap,
+        .submap = release.submaps.front().id,
         .submap_from_camera =
             CarryPose(release.submaps.front().map_from_submap.Inverse(), map_from_camera),
         .inliers = 100,
@@ -96,6 +96,22 @@ inline ServerParts MakeParts(const mapping::Release& release,
                   .options_json = "{}"},
           .served = {release, BelievePrior(release)},
           .store = std::move(store)};
+}
+
+/// Starts a server on the domain of the options or, if that is negative, on one whose ports are
+/// free, which the options then say.
+inline std::unique_ptr<Server> StartOnFreeDomain(ServerOptions& options,
+                                                 const std::function<ServerParts()>& make_parts) {
+  constexpr int kDomains = 230;
+  const bool is_chosen = options.dds_domain >= 0;
+  for (int attempt = 0; attempt < kDomains; ++attempt) {
+    if (!is_chosen) options.dds_domain = (::getpid() + 37 * attempt) % kDomains;
+    auto server = Server::Start(options, make_parts());
+    if (server.ok()) return *std::move(server);
+    EXPECT_EQ(server.error().code, ErrorCode::kConflict) << ToString(server.error());
+    if (is_chosen || server.error().code != ErrorCode::kConflict) break;
+  }
+  return nullptr;
 }
 
 /// A server on loopback with a store that outlives it, on a DDS domain of this process's own.
@@ -121,21 +137,10 @@ class SessionTest : public testing::Test {
 
   /// Starts a server; the first time on a domain whose ports are free.
   void StartServer(const mapping::Release& release = MakeRelease()) {
-    constexpr int kDomains = 230;
-    for (int attempt = 0; attempt < kDomains && server_ == nullptr; ++attempt) {
-      if (domain_ < 0)
-        options_.dds_domain = (static_cast<int>(::getpid()) + 37 * attempt) % kDomains;
-      auto server = Server::Start(options_, MakeParts(release));
-      if (server.ok()) {
-        server_ = *std::move(server);
-        domain_ = options_.dds_domain;
-      } else {
-        ASSERT_EQ(server.error().code, ErrorCode::kConflict) << ToString(server.error());
-        // After a stop the ports are free at once; before the first start another domain is tried.
-        ASSERT_LT(domain_, 0) << ToString(server.error());
-      }
-    }
+    options_.dds_domain = domain_;  // after a stop its ports are free at once
+    server_ = StartOnFreeDomain(options_, [&] { return MakeParts(release); });
     ASSERT_NE(server_, nullptr);
+    domain_ = options_.dds_domain;
   }
   ServerCounters StopServer() {
     const ServerCounters counters = server_->Stop();
