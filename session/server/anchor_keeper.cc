@@ -25,8 +25,12 @@ std::int64_t UtcMilliseconds() {
 }  // namespace
 
 AnchorKeeper::AnchorKeeper(content::AnchorStore& store, const TangentPlane& map_plane,
-                           std::shared_ptr<const LiveRelease> live)
-    : store_(store), map_plane_(map_plane), live_(std::move(live)), thread_([this] { Work(); }) {}
+                           std::shared_ptr<const LiveRelease> live, LoadRelease load)
+    : store_(store),
+      map_plane_(map_plane),
+      load_(std::move(load)),
+      live_(std::move(live)),
+      thread_([this] { Work(); }) {}
 
 AnchorKeeper::~AnchorKeeper() { Finish(); }
 
@@ -51,7 +55,9 @@ void AnchorKeeper::Work() {
   steady_clock::time_point next_look = steady_clock::now();
   std::unique_lock lock(mutex_);
   while (!is_finishing_) {
-    if (std::exchange(is_new_release_, false)) round = Round{.live = live_, .before = before_};
+    if (std::exchange(is_new_release_, false)) {
+      round.emplace(Round{.releases = ReleaseHistory(live_, before_, load_)});
+    }
     lock.unlock();
     if (steady_clock::now() >= next_look) {
       (void)store_.Expire(UtcMilliseconds(), kMostExpired);  // what fails is tried again
@@ -84,7 +90,7 @@ bool AnchorKeeper::Advance(Round& round) {
   round.rooms.pop_front();
   if (round.rooms.empty() && round.renewed + round.unsupported > 0) {
     LogInfo("epoch {}: {} anchors attached anew, {} lost their last submap",
-            round.live->release.epoch, round.renewed, round.unsupported);
+            round.releases.live().release.epoch, round.renewed, round.unsupported);
   }
   return true;
 }
@@ -93,7 +99,7 @@ Result<void> AnchorKeeper::Renew(const RoomId& room, Round& round) {
   WAYMARK_TRY_ASSIGN(const content::RoomSnapshot snapshot, store_.LoadRoom(room));
   std::vector<content::AnchorRecord> renewed;
   for (const content::AnchorRecord& record : snapshot.anchors) {
-    auto next = RenewSupport(record, *round.live, round.before.get(), map_plane_);
+    auto next = RenewSupport(record, round.releases, map_plane_);
     if (next) renewed.push_back(*std::move(next));
   }
   for (const auto& outcome : store_.UpdateMany(renewed)) {

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "content_store/anchor_store.h"
-#include "session/server/attachments.h"
+#include "session/server/anchor_support.h"
 
 namespace waymark::session {
 
@@ -19,9 +19,10 @@ namespace waymark::session {
 /// may do so on one store: who comes second finds it done.
 class AnchorKeeper {
  public:
-  /// Borrows the store.
+  /// Borrows the store. `load` reads earlier releases; without it an anchor whose submaps all went
+  /// while no server ran is unsupported.
   AnchorKeeper(content::AnchorStore& store, const TangentPlane& map_plane,
-               std::shared_ptr<const LiveRelease> live);
+               std::shared_ptr<const LiveRelease> live, LoadRelease load = {});
   AnchorKeeper(const AnchorKeeper&) = delete;
   AnchorKeeper& operator=(const AnchorKeeper&) = delete;
   ~AnchorKeeper();  ///< as Finish
@@ -33,7 +34,7 @@ class AnchorKeeper {
  private:
   /// Going through the rooms once for a release.
   struct Round {
-    std::shared_ptr<const LiveRelease> live, before;
+    ReleaseHistory releases;
     std::deque<RoomId> rooms = {};  // still to do
     bool has_begun = false;         // the rooms are known
     std::size_t renewed = 0;
@@ -46,6 +47,7 @@ class AnchorKeeper {
 
   content::AnchorStore& store_;
   const TangentPlane map_plane_;
+  const LoadRelease load_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::shared_ptr<const LiveRelease> live_, before_;  // guarded by mutex_

@@ -50,14 +50,7 @@ std::vector<Neighbour> FindNeighbours(const Eigen::Vector3d& position_in_map,
   return neighbours;
 }
 
-std::size_t CountLive(const content::AnchorRecord& record, const LiveRelease& live) {
-  return std::ranges::count_if(record.attachments, [&](const auto& attachment) {
-    return live.placements.contains(attachment.submap);
-  });
-}
-
-/// Three attachments, as far as there are submaps. Those left keep their order, or the anchor would
-/// move by what they moved against each other; a new one goes before them if it is nearer.
+// In another order those left would move the anchor by what they moved against each other.
 std::vector<content::SubmapAttachment> Replenish(const content::AnchorRecord& in_live_map,
                                                  const LiveRelease& live) {
   std::vector<content::SubmapAttachment> kept, lost, nearer, farther;
@@ -81,14 +74,6 @@ std::vector<content::SubmapAttachment> Replenish(const content::AnchorRecord& in
   }
   while (nearer.size() > kMaxAttachments) nearer.pop_back();
   return nearer;
-}
-
-/// The anchor in the map of a release and attached to its submaps; as it was if none holds it.
-content::AnchorRecord HoldIn(const LiveRelease& live, const content::AnchorRecord& record) {
-  RoomAnchor carried = CarryAnchor(record, live.release.epoch, live.placements);
-  if (!carried.is_supported) return record;
-  carried.record.attachments = Replenish(carried.record, live);
-  return std::move(carried.record);
 }
 
 }  // namespace
@@ -122,22 +107,17 @@ Placements PlacementsOf(const mapping::Release& release) {
   return placements;
 }
 
-std::optional<content::AnchorRecord> RenewSupport(const content::AnchorRecord& record,
-                                                  const LiveRelease& live,
-                                                  const LiveRelease* before,
-                                                  const TangentPlane& map_plane) {
-  const std::size_t live_count = CountLive(record, live);
-  const bool is_marked = record.unsupported_since_epoch.has_value();
-  if (record.attachments.empty() || (live_count == kMaxAttachments && !is_marked)) return {};
-  const bool needs_help = live_count == 0 && before != nullptr && !is_marked;
-  content::AnchorRecord next = HoldIn(live, needs_help ? HoldIn(*before, record) : record);
-  const std::size_t next_count = CountLive(next, live);
-  if (next_count == live_count && is_marked == (next_count == 0)) return {};
-  next.epoch = live.release.epoch;
-  next.unsupported_since_epoch.reset();
-  if (next_count == 0) next.unsupported_since_epoch = next.epoch;
-  next.place = map_plane.ToGeo(Point<Map>(next.map_from_anchor.translation()));
-  return next;
+std::size_t CountLive(const content::AnchorRecord& record, const LiveRelease& live) {
+  return std::ranges::count_if(record.attachments, [&](const auto& attachment) {
+    return live.placements.contains(attachment.submap);
+  });
+}
+
+content::AnchorRecord HoldIn(const LiveRelease& live, const content::AnchorRecord& record) {
+  RoomAnchor carried = CarryAnchor(record, live.release.epoch, live.placements);
+  if (!carried.is_supported) return record;
+  carried.record.attachments = Replenish(carried.record, live);
+  return std::move(carried.record);
 }
 
 }  // namespace waymark::session

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "mapping/geometry/geodesy.h"
 #include "mapping/store/release.h"
 #include "session/state/messages.h"
 
@@ -31,17 +29,13 @@ struct LiveRelease {
   Placements placements;
 };
 
-/// The anchor as it must be stored so that it does not run out of submaps while releases replace
-/// them one by one; nullopt when it can stay as it is.
-///
-/// Where fewer than three of its submaps are left, near ones join them; those left keep their
-/// attachment to the bit, so the anchor does not move. Submaps that are gone keep what places are
-/// free, in case they come back. An anchor that nothing holds any more is attached
-/// to what held its place in the release `before`, if that is known; if that does not help it stays
-/// where it was last seen and is marked unsupported.
-std::optional<content::AnchorRecord> RenewSupport(const content::AnchorRecord& record,
-                                                  const LiveRelease& live,
-                                                  const LiveRelease* before,
-                                                  const TangentPlane& map_plane);
+/// How many of its attachments are to submaps of a release.
+std::size_t CountLive(const content::AnchorRecord& record, const LiveRelease& live);
+
+/// The anchor in the map of a release, with three attachments to its submaps as far as there are so
+/// many near it; as it was if none of its submaps is there. Those left keep their attachment to the
+/// bit and their order, so the anchor does not move. A new one goes before them if it is nearer.
+/// Submaps that are gone keep what places are free, in case they come back.
+content::AnchorRecord HoldIn(const LiveRelease& live, const content::AnchorRecord& record);
 
 }  // namespace waymark::session

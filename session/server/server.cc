@@ -58,6 +58,7 @@ class Server::Loop {
                 .epoch = parts.served.release.epoch},
                std::make_shared<const Placements>(PlacementsOf(parts.served.release))),
         store_(std::move(parts.store), parts.served.release, parts.map.origin,
+               std::move(parts.load_release),
                [this](Event event) {
                  inbox_.Push({Now(), std::move(event)});
                }),

@@ -9,6 +9,7 @@
 #include "mapping/base/result.h"
 #include "mapping/store/map_directory.h"
 #include "session/dds/participant.h"
+#include "session/server/anchor_support.h"
 #include "session/server/localise_pool.h"
 #include "session/state/session_state.h"
 
@@ -36,6 +37,7 @@ struct ServerParts {
   mapping::MapDescription map;
   ServedRelease served;
   std::unique_ptr<content::AnchorStore> store;
+  LoadRelease load_release = {};  ///< of the map; for anchors that missed some, may be empty
 };
 
 /// Since the start.

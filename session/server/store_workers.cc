@@ -23,13 +23,14 @@ const std::string& OrderKey(const StoreWorkers::Task& task) {
 }  // namespace
 
 StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
-                           const GeoPoint& map_origin, std::function<void(Event)> report)
+                           const GeoPoint& map_origin, LoadRelease load,
+                           std::function<void(Event)> report)
     : store_(std::move(store)),
       map_plane_(map_origin),
       report_(std::move(report)),
       live_(std::make_shared<const LiveRelease>(std::move(release))),
       follower_(*store_, report_),
-      keeper_(*store_, map_plane_, live_) {
+      keeper_(*store_, map_plane_, live_, std::move(load)) {
   for (Worker& worker : workers_) worker.thread = std::thread([&] { Work(worker); });
 }
 

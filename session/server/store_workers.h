@@ -28,10 +28,10 @@ class StoreWorkers {
  public:
   using Task = std::variant<effect::LoadRoom, effect::WriteAnchor>;
 
-  /// `report` gets RoomLoaded or WriteFinished for each task, and StoreChanged for all that changes
-  /// in the store from now on, on threads of ours.
+  /// `load` reads earlier releases, see AnchorKeeper. `report` gets RoomLoaded or WriteFinished for
+  /// each task, and StoreChanged for all that changes in the store from now on, on threads of ours.
   StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
-               const GeoPoint& map_origin, std::function<void(Event)> report);
+               const GeoPoint& map_origin, LoadRelease load, std::function<void(Event)> report);
   StoreWorkers(const StoreWorkers&) = delete;
   StoreWorkers& operator=(const StoreWorkers&) = delete;
   ~StoreWorkers();  ///< after Finish

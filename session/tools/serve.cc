@@ -77,10 +77,12 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
   WAYMARK_TRY_ASSIGN(
       const auto server,
-      Server::Start(arguments.server,
-                    {.map = map.description(),
-                     .served = {release, MakeLocaliseFunction(localiser, map.description())},
-                     .store = std::move(store)}));
+      Server::Start(
+          arguments.server,
+          {.map = map.description(),
+           .served = {release, MakeLocaliseFunction(localiser, map.description())},
+           .store = std::move(store),
+           .load_release = [map](std::uint64_t epoch) { return map.LoadRelease(epoch); }}));
   fmt::print("ready pid={} domain={} address={} map={} epoch={} submaps={}\n", ::getpid(),
              arguments.server.dds_domain, arguments.server.address, map.description().id,
              release.epoch, release.submaps.size());

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "session/server/attachments.h"
+#include "session/server/anchor_support.h"
 #include "session/state/carrying.h"
 #include "tests/support/random_geometry.h"
 
@@ -70,10 +70,20 @@ std::string Submaps(const content::AnchorRecord& record) {
   return submaps;
 }
 
+std::optional<content::AnchorRecord> Renew(const content::AnchorRecord& record,
+                                           const LiveRelease& live, const LiveRelease* before,
+                                           const LoadRelease& load = {}) {
+  const auto share = [](const LiveRelease* release) {
+    return release ? std::make_shared<const LiveRelease>(*release) : nullptr;
+  };
+  ReleaseHistory history(share(&live), share(before), load);
+  return RenewSupport(record, history, kMapPlane);
+}
+
 /// What a keeper makes of the anchor, release after release.
 content::AnchorRecord Keep(content::AnchorRecord record, const LiveRelease& live,
                            const LiveRelease& before) {
-  const auto renewed = RenewSupport(record, live, &before, kMapPlane);
+  const auto renewed = Renew(record, live, &before);
   return renewed.value_or(record);
 }
 
@@ -99,6 +109,7 @@ TEST(Support, OutlivesEverySubmapThatItBeganWith) {
       EXPECT_EQ(record.attachments.size(), 3u);
       const double error_m = (Position(record, live) - World::kPlace).norm();
       EXPECT_LT(error_m, sigma_m == 0 ? 1e-9 : 0.01) << "epoch " << epoch;
+      RecordProperty(fmt::format("error_mm_epoch_{}", epoch), fmt::format("{}", 1e3 * error_m));
     }
     EXPECT_FALSE(CarryAnchor(first, epoch, live.placements).is_supported) << "the test tests";
   }
@@ -123,7 +134,7 @@ TEST(Support, WhatHoldsTheAnchorKeepsItAsItDoes) {
   World world;
   const LiveRelease first = world.Release(1, "abc"), second = world.Release(2, "bcd", 0.1);
   const content::AnchorRecord record = World::Place(first);
-  const auto renewed = RenewSupport(record, second, &first, kMapPlane);
+  const auto renewed = Renew(record, second, &first);
   ASSERT_TRUE(renewed);
   EXPECT_EQ(Submaps(*renewed), "bcd");
   for (const std::size_t i : {0u, 1u}) {
@@ -142,18 +153,18 @@ TEST(Support, StaysAsItIsWhereThereIsNothingToGain) {
   const LiveRelease first = world.Release(1, "ab"), same = world.Release(2, "ab"),
                     fewer = world.Release(2, "bF"), more = world.Release(2, "abc");
   content::AnchorRecord record = World::Place(first);
-  EXPECT_FALSE(RenewSupport(record, first, nullptr, kMapPlane));
-  EXPECT_FALSE(RenewSupport(record, same, &first, kMapPlane));
-  EXPECT_FALSE(RenewSupport(record, fewer, &first, kMapPlane)) << "F is too far away";
-  EXPECT_EQ(Submaps(*RenewSupport(record, more, &first, kMapPlane)), "abc");
+  EXPECT_FALSE(Renew(record, first, nullptr));
+  EXPECT_FALSE(Renew(record, same, &first));
+  EXPECT_FALSE(Renew(record, fewer, &first)) << "F is too far away";
+  EXPECT_EQ(Submaps(*Renew(record, more, &first)), "abc");
   record.attachments.clear();
-  EXPECT_FALSE(RenewSupport(record, more, &first, kMapPlane)) << "it never was attached";
+  EXPECT_FALSE(Renew(record, more, &first)) << "it never was attached";
 }
 
 TEST(Support, WhatIsGoneMayComeBackWhereThereIsRoom) {
   World world;
   const LiveRelease first = world.Release(1, "abc"), second = world.Release(2, "bd");
-  const auto renewed = RenewSupport(World::Place(first), second, &first, kMapPlane);
+  const auto renewed = Renew(World::Place(first), second, &first);
   ASSERT_TRUE(renewed);
   EXPECT_EQ(Submaps(*renewed), "bda");
 }
@@ -165,7 +176,7 @@ TEST(Support, ANearerSubmapGoesBeforeThoseThatAreLeft) {
   const content::AnchorRecord record = World::Place(first);
   LiveRelease second = world.Release(2, "bc");
   second.release.submaps[0].radius_m = 1;
-  EXPECT_EQ(Submaps(*RenewSupport(record, second, &first, kMapPlane)), "cba");
+  EXPECT_EQ(Submaps(*Renew(record, second, &first)), "cba");
 }
 
 TEST(Support, WhatTheReleaseBeforeHeldIsNotLostAtOnce) {
@@ -173,7 +184,7 @@ TEST(Support, WhatTheReleaseBeforeHeldIsNotLostAtOnce) {
   const LiveRelease first = world.Release(1, "ab"), second = world.Release(2, "abc"),
                     third = world.Release(3, "cd");
   // The third came before everything was done for the second.
-  const auto renewed = RenewSupport(World::Place(first), third, &second, kMapPlane);
+  const auto renewed = Renew(World::Place(first), third, &second);
   ASSERT_TRUE(renewed);
   EXPECT_EQ(Submaps(*renewed).substr(0, 2), "cd");
   EXPECT_LT((Position(*renewed, third) - World::kPlace).norm(), 1e-9);
@@ -185,16 +196,44 @@ TEST(Support, AnAnchorThatNothingHoldsStaysWhereItWasSeenLast) {
   const LiveRelease first = world.Release(1, "ab"), second = world.Release(2, "ab", 0, shift),
                     third = world.Release(3, "cd", 0, 2 * shift);
   const content::AnchorRecord record = World::Place(first);
-  const auto orphan = RenewSupport(record, third, &second, kMapPlane);
+  const auto orphan = Renew(record, third, &second);
   ASSERT_TRUE(orphan);
   EXPECT_EQ(orphan->unsupported_since_epoch, 3u);
   EXPECT_EQ(orphan->epoch, 3u);
   EXPECT_LT((orphan->map_from_anchor.translation() - World::kPlace - shift).norm(), 1e-9);
-  EXPECT_FALSE(RenewSupport(*orphan, third, &second, kMapPlane)) << "said once";
-  const auto back = RenewSupport(*orphan, second, &third, kMapPlane);
+  EXPECT_FALSE(Renew(*orphan, third, &second)) << "said once";
+  const auto back = Renew(*orphan, second, &third);
   ASSERT_TRUE(back);
   EXPECT_FALSE(back->unsupported_since_epoch);
   EXPECT_LT((Position(*back, second) - World::kPlace - shift).norm(), 1e-9);
+}
+
+TEST(Support, WhatHappenedWhileNoServerRanIsMadeUpFor) {
+  World world;
+  std::map<std::uint64_t, LiveRelease> kept;
+  for (std::uint64_t epoch = 1; epoch <= kChain.size(); ++epoch) {
+    kept.emplace(epoch, world.Release(epoch, kChain[epoch - 1]));
+    if (epoch > 1) kept.at(epoch).release.parent_epoch = epoch - 1;
+  }
+  std::vector<std::uint64_t> loaded;
+  const LoadRelease load = [&](std::uint64_t epoch) -> Result<mapping::Release> {
+    loaded.push_back(epoch);
+    if (!kept.contains(epoch)) return MakeError(ErrorCode::kNotFound, "pruned");
+    return kept.at(epoch).release;
+  };
+  const content::AnchorRecord record = World::Place(kept.at(2));
+  const LiveRelease& live = kept.at(6);
+  const auto renewed = Renew(record, live, nullptr, load);
+  ASSERT_TRUE(renewed);
+  EXPECT_EQ(Submaps(*renewed), "fgh");
+  EXPECT_LT((Position(*renewed, live) - World::kPlace).norm(), 1e-9);
+  EXPECT_THAT(loaded, testing::ElementsAre(5, 4, 3, 2)) << "no more than is needed";
+
+  EXPECT_EQ(Submaps(*Renew(record, live, &kept.at(3), load)), "fgh")
+      << "also where this server has seen some of it";
+  kept.erase(4);
+  EXPECT_EQ(Renew(record, live, nullptr, load)->unsupported_since_epoch, 6u)
+      << "a release that was pruned breaks the chain";
 }
 
 }  // namespace
