@@ -21,14 +21,15 @@ std::string SelectStates(const std::string& from) {
   return "SELECT s.revision, s.previous, s.room, s.id, encode(s.state, 'hex'), s.checksum " + from;
 }
 
-/// All ranges in one round trip; each by its index and no farther than the limit.
+/// All ranges in one round trip; each by its index and no farther than the limit. A range has one
+/// lower end: where there are two, the index is read from the one that PostgreSQL happens to take.
 std::string SelectPlaces(const std::string& key, const std::string& where) {
   return fmt::format(
-      "SELECT p.{0}, p.revision FROM unnest(CAST(:firsts AS bigint[]), CAST(:lasts AS bigint[])) "
-      "AS "
-      "r(first, last), LATERAL (SELECT {0}, revision FROM waymark.places WHERE {1} AND {0} BETWEEN "
-      "r.first AND r.last AND ({0}, revision) > (:key, :revision) AND revision <= :newest ORDER BY "
-      "{0}, revision LIMIT :most) AS p ORDER BY p.{0}, p.revision LIMIT :limit",
+      "SELECT p.{0}, p.revision FROM unnest(CAST(:firsts AS bigint[]), CAST(:afters AS bigint[]), "
+      "CAST(:lasts AS bigint[])) AS r(first, after, last), LATERAL (SELECT {0}, revision FROM "
+      "waymark.places WHERE {1} AND ({0}, revision) > (r.first, r.after) AND {0} <= r.last AND "
+      "revision <= :newest ORDER BY {0}, revision LIMIT :most) AS p ORDER BY p.{0}, p.revision "
+      "LIMIT :limit",
       key, where);
 }
 
@@ -50,14 +51,14 @@ PostgresStatements::PostgresStatements(soci::session& sql)
              use(arrays_[0]), into(row_revision_), into(row_previous_), into(row_room_),
              into(row_id_), into(row_state_), into(row_checksum_))),
       by_cell_((sql.prepare << SelectPlaces("cell", "room = :room"), use(arrays_[0]),
-                use(arrays_[1]), use(room_), use(key_), use(revision_), use(newest_), use(limit_),
+                use(arrays_[1]), use(arrays_[2]), use(room_), use(newest_), use(limit_),
                 use(limit_), into(row_key_), into(row_revision_))),
       by_change_((sql.prepare << SelectPlaces("changed", "room = :room"), use(arrays_[0]),
-                  use(arrays_[1]), use(room_), use(key_), use(revision_), use(newest_), use(limit_),
+                  use(arrays_[1]), use(arrays_[2]), use(room_), use(newest_), use(limit_),
                   use(limit_), into(row_key_), into(row_revision_))),
       public_by_cell_((sql.prepare << SelectPlaces("cell", "is_public"), use(arrays_[0]),
-                       use(arrays_[1]), use(key_), use(revision_), use(newest_), use(limit_),
-                       use(limit_), into(row_key_), into(row_revision_))),
+                       use(arrays_[1]), use(arrays_[2]), use(newest_), use(limit_), use(limit_),
+                       into(row_key_), into(row_revision_))),
       log_((sql.prepare << SelectStates("FROM waymark.states s WHERE s.revision > :revision ORDER "
                                         "BY s.revision LIMIT :limit"),
             use(revision_), use(limit_), into(row_revision_), into(row_previous_), into(row_room_),
@@ -151,15 +152,15 @@ std::vector<LogRow> PostgresStatements::LoadStates(const std::vector<std::uint64
 
 std::vector<Position> PostgresStatements::FindPlaces(const Scan& scan) {
   if (scan.room) room_ = scan.room->text();
-  PostgresArray firsts, lasts;
+  PostgresArray firsts, afters, lasts;
   for (const auto& [first, last] : scan.ranges) {
     if (last < scan.after.key) continue;
-    firsts.Add(first);
+    const bool has_begun = first <= scan.after.key;
+    firsts.Add(has_begun ? scan.after.key : first);
+    afters.Add(has_begun ? Clamp(scan.after.revision) : 0);  // revisions begin with 1
     lasts.Add(last);
   }
-  Bind({&firsts, &lasts});
-  key_ = scan.after.key;
-  revision_ = Clamp(scan.after.revision);
+  Bind({&firsts, &afters, &lasts});
   newest_ = Clamp(scan.newest);
   limit_ = Clamp(scan.limit);
   soci::statement& statement = !scan.room                          ? public_by_cell_

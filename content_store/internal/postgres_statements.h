@@ -40,7 +40,7 @@ class PostgresStatements {
   // What the statements below are bound to.
   std::string arrays_[7];
   std::string room_;
-  long long revision_ = 0, newest_ = 0, key_ = 0, limit_ = 0;
+  long long revision_ = 0, newest_ = 0, limit_ = 0;
   // What they read into.
   std::string row_room_, row_id_, row_state_;
   long long row_revision_ = 0, row_previous_ = 0, row_checksum_ = 0, row_key_ = 0;
