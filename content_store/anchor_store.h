@@ -119,7 +119,7 @@ struct StoreOptions {
   Migration migration = Migration::kAutomatic;
   /// SQLite: pages of 4 KiB in the write-ahead log after which they move to the main file,
   /// [100, 1'000'000]. More spare writes, fewer spare disk and time to open after a crash.
-  int checkpoint_pages = 4000;
+  int checkpoint_pages = 16000;
   StoreLimits limits{};
   /// The clock of the writes per second; tests set their own.
   std::function<std::chrono::steady_clock::time_point()> clock = std::chrono::steady_clock::now;
