@@ -23,12 +23,14 @@ Instant After(Instant start, std::chrono::duration<double> duration) {
 
 // ---- JoinDesk ---------------------------------------------------------------------------------
 
+void JoinDesk::Restart(Instant now) {
+  if (is_connected_) ++attempt_;
+  is_connected_ = false;
+  next_hello_ = now;
+}
+
 bool JoinDesk::TakeHelloDue(Instant now) {
-  if (is_connected_ && now - last_heard_ > kSilence) {
-    is_connected_ = false;
-    ++attempt_;
-    next_hello_ = now;
-  }
+  if (is_connected_ && now - last_heard_ > kSilence) Restart(now);
   if (is_connected_ || now < next_hello_) return false;
   next_hello_ = now + kHelloInterval;
   return true;

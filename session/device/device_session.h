@@ -30,8 +30,12 @@ struct CorrectionOptions {
 };
 
 struct DeviceOptions {
-  std::string server = "127.0.0.1";  ///< host or address of waymark-serve
-  int dds_domain = 0;                ///< [0, 230]; must equal the server's
+  /// Host or address of waymark-serve, reached over DDS; or wss://HOST:PORT of a waymark-gateway,
+  /// or ws://HOST:PORT without TLS.
+  std::string server = "127.0.0.1";
+  int dds_domain = 0;  ///< [0, 230]; over DDS, must equal the server's
+  /// PEM file of who vouches for a wss:// gateway; empty: the system's authorities.
+  std::string authority_file = {};
   RoomId room{"lobby"};
   std::string name = "phone";                            ///< shown to the others
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way

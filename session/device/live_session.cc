@@ -3,6 +3,7 @@
 #include <random>
 
 #include "mapping/base/log.h"
+#include "session/device/internal/links.h"
 #include "session/device/internal/live_session.h"
 #include "session/device/jpeg.h"
 
@@ -18,8 +19,9 @@ std::uint64_t RandomBits() {
   return std::uint64_t{device()} << 32 | device();
 }
 
-std::size_t WeightOf(const wire::Downward& message) {
-  const auto* state = std::get_if<AnchorState>(&message);
+std::size_t WeightOf(const wire::DeviceLink::Event& event) {
+  const auto* message = std::get_if<wire::Downward>(&event);
+  const auto* state = message ? std::get_if<AnchorState>(message) : nullptr;
   return state == nullptr ? 0 : state->anchor.record.payload.size();
 }
 
@@ -41,15 +43,11 @@ Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& opt
   std::unique_ptr<LiveSession> session(
       new LiveSession(options, id, static_cast<std::uint32_t>(RandomBits())));
   WAYMARK_TRY_ASSIGN(
-      session->bus_,
-      wire::DeviceBus::Create({.role = dds::ParticipantOptions::Role::kClient,
-                               .domain = options.dds_domain,
-                               .server = options.server,
-                               .transmit_loss_per_mille = options.transmit_loss_per_mille},
-                              options.room, id, [inbox = &session->inbox_](wire::Downward message) {
-                                const std::size_t weight = WeightOf(message);
-                                inbox->TryPush(std::move(message), weight);
-                              }));
+      session->link_,
+      MakeLink(options, id, [inbox = &session->inbox_](wire::DeviceLink::Event event) {
+        const std::size_t weight = WeightOf(event);
+        inbox->TryPush(std::move(event), weight);
+      }));
   session->worker_ = std::thread([raw = session.get()] { raw->Work(); });
   return session;
 }
@@ -65,9 +63,7 @@ void LiveSession::Work() {
     {
       const std::lock_guard lock(mutex_);
       for (const Item& item : items) {
-        if (const auto* message = std::get_if<wire::Downward>(&item)) {
-          std::visit([this](const auto& content) { On(content); }, *message);
-        }
+        if (const auto* event = std::get_if<wire::DeviceLink::Event>(&item)) On(*event);
       }
       SendWhatIsDue();
     }
@@ -82,22 +78,22 @@ void LiveSession::SendWhatIsDue() {
   const Instant now = std::chrono::steady_clock::now();
   // What cannot be sent now is due again soon: nothing here is said only once.
   if (join_.TakeHelloDue(now)) {
-    (void)bus_->Send(Hello{.device = id_,
-                           .protocol = kProtocol,
-                           .attempt = join_.attempt(),
-                           .room = options_.room,
-                           .name = options_.name});
+    (void)link_->Send(Hello{.device = id_,
+                            .protocol = kProtocol,
+                            .attempt = join_.attempt(),
+                            .room = options_.room,
+                            .name = options_.name});
   }
   if (join_.TakeLongSilence(now)) view_.BeginResync();
   if (join_.TakePingDue(now)) {
-    (void)bus_->Send(ClockPing{.ticket = join_.welcome()->ticket,
-                               .sequence_number = next_ping_number_++,
-                               .sent = ClockNow()});
+    (void)link_->Send(ClockPing{.ticket = join_.welcome()->ticket,
+                                .sequence_number = next_ping_number_++,
+                                .sent = ClockNow()});
   }
   if (join_.IsConnected()) {
     for (AnchorCommand& command : commands_.TakeDue(now)) {
       command.ticket = join_.welcome()->ticket;
-      (void)bus_->Send(command);
+      (void)link_->Send(command);
     }
   }
   if (images_.TakeTimeout(now)) ++statistics_.timeouts;
@@ -122,7 +118,7 @@ void LiveSession::SendFrame() {
   Result<void> sent = image.ok() ? Result<void>() : Result<void>(image.error());
   if (sent.ok()) {
     query->image = *std::move(image);
-    sent = bus_->Send(*query);
+    sent = link_->Send(*std::move(query));
   }
   const std::lock_guard lock(mutex_);
   if (sent.ok()) {
@@ -158,6 +154,14 @@ Instant LiveSession::NextDeadline() const {
 }
 
 // ---- what arrives -----------------------------------------------------------------------------
+
+void LiveSession::On(const wire::DeviceLink::Event& event) {
+  if (const auto* message = std::get_if<wire::Downward>(&event)) {
+    return std::visit([this](const auto& content) { On(content); }, *message);
+  }
+  join_.Restart(std::chrono::steady_clock::now());
+  images_.Abandon();  // a newer one is better than one that may never be answered
+}
 
 void LiveSession::On(const Welcome& welcome) {
   const std::optional<Welcome> before = join_.welcome();

@@ -13,6 +13,7 @@ constexpr std::chrono::milliseconds kMinReportInterval{15};  // 60 Hz reach othe
 }  // namespace
 
 std::string LiveSession::ServerName() const {
+  if (options_.server.find("://") != std::string::npos) return "gateway " + options_.server;
   return fmt::format("server {} (DDS domain {})", options_.server, options_.dds_domain);
 }
 
@@ -42,7 +43,7 @@ void LiveSession::Leave() {
   is_stopping_ = true;
   inbox_.Close();
   if (worker_.joinable()) worker_.join();
-  if (bus_) bus_->SayFarewell();
+  if (link_) link_->SayFarewell();
   changed_.notify_all();
 }
 
@@ -87,7 +88,7 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
                  .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3)}};
     last_report_ = time;
   }
-  (void)bus_->Send(*report);  // the next one is better anyway
+  (void)link_->Send(*report);  // the next one is better anyway
 }
 
 DevicePose LiveSession::CurrentPose() const {

@@ -64,12 +64,12 @@ struct Welcome {
   DeviceId device;
   std::uint32_t attempt = 0;  ///< of the Hello it answers
   JoinVerdict verdict = JoinVerdict::kAccepted;
-  std::string reason;  ///< empty when accepted
+  std::string reason = {};  ///< empty when accepted
   RunId run{};
   Ticket ticket{};
   DeviceNumber number{};
-  MapIdentity map;
-  ServerTime session_time;
+  MapIdentity map = {};
+  ServerTime session_time = {};
 };
 
 struct Presence {
@@ -136,11 +136,11 @@ struct LocaliseAnswer {
   DeviceId device;
   RequestNumber request{};
   LocaliseStatus status = LocaliseStatus::kBusy;
-  std::string reason;
+  std::string reason = {};
   std::uint64_t epoch = 1;
-  std::optional<localiser::LocalisedPose> pose;  ///< present exactly when kLocalised
+  std::optional<localiser::LocalisedPose> pose = {};  ///< present exactly when kLocalised
   double queue_ms = 0;
-  localiser::StageTimes times;
+  localiser::StageTimes times = {};
 };
 
 // ---- anchors ----------------------------------------------------------------------------------
@@ -176,9 +176,9 @@ struct CommandReply {
   DeviceId device;
   Uuid request{};
   CommandOutcome outcome = CommandOutcome::kApplied;
-  std::string reason;
+  std::string reason = {};
   AnchorId anchor;
-  std::optional<RoomAnchor> current;  ///< what stands there now; absent: nothing
+  std::optional<RoomAnchor> current = {};  ///< what stands there now; absent: nothing
 };
 
 struct RoomState {
@@ -218,9 +218,9 @@ struct ClockPing {
 struct ClockPong {
   DeviceId device;
   std::uint32_t sequence_number = 0;
-  DeviceTime device_sent;
-  ServerTime received;
-  ServerTime sent;
+  DeviceTime device_sent = {};
+  ServerTime received = {};
+  ServerTime sent = {};
   RunId run{};
 };
 

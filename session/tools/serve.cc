@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // waymark-serve: serves a map and its anchors until it is told to end.
 #include <fmt/format.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -14,6 +13,7 @@
 #include "session/server/map_localiser.h"
 #include "session/server/release_watcher.h"
 #include "session/server/server.h"
+#include "session/tools/end_signals.h"
 
 namespace waymark::session {
 namespace {
@@ -59,14 +59,6 @@ Result<std::optional<FileLock>> LockStore(const std::string& store) {
   return std::optional(std::move(lock));
 }
 
-sigset_t EndSignals() {
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  ::sigaddset(&signals, SIGINT);
-  ::sigaddset(&signals, SIGTERM);
-  return signals;
-}
-
 Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY(arguments.server.Validate());
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
@@ -89,8 +81,7 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
   std::fflush(stdout);
   {
     const ReleaseWatcher watcher(map, localiser, *server);
-    int signal = 0;
-    ::sigwait(&end_signals, &signal);
+    AwaitSignal(end_signals);
   }
   fmt::print("ended: {}\n", ToString(server->Stop()));
   return {};
@@ -100,9 +91,7 @@ Result<void> Serve(const Arguments& arguments, const sigset_t& end_signals) {
 }  // namespace waymark::session
 
 int main(int argc, char** argv) {
-  // Before any thread starts, so that none of them is interrupted and sigwait sees the signals.
-  const sigset_t end_signals = waymark::session::EndSignals();
-  ::pthread_sigmask(SIG_BLOCK, &end_signals, nullptr);
+  const sigset_t end_signals = waymark::session::BlockEndSignals();
   CLI::App app{"Serves a map to devices: localisation, presence, poses and anchors.",
                "waymark-serve"};
   waymark::session::Arguments arguments;

@@ -30,10 +30,11 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
 }  // namespace
 
 struct DeviceBus::Impl {
-  Impl(dds::Participant participant_in, UpWriters writers_in, const DeviceId& device_in)
+  Impl(std::shared_ptr<dds::Participant> participant_in, UpWriters writers_in,
+       const DeviceId& device_in)
       : participant(std::move(participant_in)), writers(std::move(writers_in)), device(device_in) {}
 
-  dds::Participant participant;
+  std::shared_ptr<dds::Participant> participant;
   UpWriters writers;
   DeviceId device;
   std::atomic<std::uint64_t> rejected = 0;
@@ -49,7 +50,7 @@ struct DeviceBus::Impl {
     WAYMARK_TRY_ASSIGN(
         dds::Reader reader,
         MakeReader<Message>(
-            participant, partition, rejected,
+            *participant, partition, rejected,
             [handler](Message message) { handler(Downward(std::move(message))); }, on_end));
     readers.push_back(std::move(reader));
     return {};
@@ -85,40 +86,46 @@ struct DeviceBus::Impl {
 DeviceBus::DeviceBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DeviceBus::~DeviceBus() = default;
 
-Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(const dds::ParticipantOptions& options,
+Result<void> CheckIdentity(const RoomId& room, const DeviceId& device) {
+  WAYMARK_TRY(CheckName(room.text(), "room"));
+  if (FindUuid(device.text())) return {};
+  return MakeError(ErrorCode::kInvalidArgument, "device id: expected a UUID, found \"{}\"",
+                   device.text());
+}
+
+Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Participant> participant,
                                                      const RoomId& room, const DeviceId& device,
                                                      Handler handler) {
-  WAYMARK_TRY(CheckName(room.text(), "room"));
-  if (!FindUuid(device.text())) {
-    return MakeError(ErrorCode::kInvalidArgument, "device id: expected a UUID, found \"{}\"",
-                     device.text());
-  }
-  WAYMARK_TRY_ASSIGN(dds::Participant participant, dds::Participant::Create(options));
-  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(participant, room));
+  WAYMARK_TRY(CheckIdentity(room, device));
+  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room));
   auto impl = std::make_unique<Impl>(std::move(participant), std::move(writers), device);
   WAYMARK_TRY(impl->ListenToOwn(room, handler));
   WAYMARK_TRY(impl->ListenToRoom(room, handler));
   return std::unique_ptr<DeviceBus>(new DeviceBus(std::move(impl)));
 }
 
-Result<void> DeviceBus::Send(const Hello& hello) { return Write(impl_->writers.hello, hello); }
-Result<void> DeviceBus::Send(const PoseReport& report) {
-  return Write(impl_->writers.poses, report);
+Result<void> DeviceBus::Send(Upward message) {
+  struct Sender {
+    Impl& impl;
+
+    Result<void> operator()(const Hello& m) { return Write(impl.writers.hello, m); }
+    Result<void> operator()(const PoseReport& m) { return Write(impl.writers.poses, m); }
+    Result<void> operator()(const LocaliseQuery& m) { return Write(impl.writers.queries, m); }
+    Result<void> operator()(const AnchorCommand& m) { return Write(impl.writers.commands, m); }
+    Result<void> operator()(const ClockPing& m) { return Write(impl.writers.pings, m); }
+    Result<void> operator()(const Farewell& m) {
+      waymark_Hello key{};
+      SetId(key.device, m.device);
+      return impl.writers.hello.Dispose(&key);
+    }
+  };
+  return std::visit(Sender{*impl_}, message);
 }
-Result<void> DeviceBus::Send(const LocaliseQuery& query) {
-  return Write(impl_->writers.queries, query);
-}
-Result<void> DeviceBus::Send(const AnchorCommand& command) {
-  return Write(impl_->writers.commands, command);
-}
-Result<void> DeviceBus::Send(const ClockPing& ping) { return Write(impl_->writers.pings, ping); }
 
 void DeviceBus::SayFarewell() {
   constexpr std::chrono::milliseconds kPatience{200};
-  waymark_Hello key{};
-  SetId(key.device, impl_->device);
   // Not heard is no harm: the server notices the silence.
-  (void)impl_->writers.hello.Dispose(&key);
+  (void)Send(Farewell{impl_->device});
   (void)impl_->writers.hello.WaitForAcknowledgements(kPatience);
 }
 

@@ -3,20 +3,11 @@
 
 #include <functional>
 #include <memory>
-#include <variant>
 
 #include "session/dds/participant.h"
-#include "session/state/messages.h"
+#include "session/wire/traffic.h"
 
 namespace waymark::session::wire {
-
-/// A device said goodbye, or its process is gone from the network.
-struct Farewell {
-  DeviceId device;
-};
-
-/// Anything a device may say.
-using Upward = std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing>;
 
 /// The server's end of the star. Messages arrive, already checked, on DDS threads: the handler only
 /// enqueues. Everything else is thread-compatible.

@@ -70,6 +70,20 @@ DeviceFrame Frame(DeviceTime time) {
           .time = time};
 }
 
+TEST(JoinDesk, ANewWayMeansJoiningAgainAtOnce) {
+  JoinDesk desk(1);
+  desk.TakeHelloDue(kStart);
+  desk.Restart(kStart + milliseconds(10));
+  EXPECT_TRUE(desk.TakeHelloDue(kStart + milliseconds(10)));
+  EXPECT_EQ(desk.attempt(), 1u) << "nobody has answered yet";
+  desk.On(Accepted(1), kStart + milliseconds(20));
+  desk.Restart(kStart + seconds(1));
+  EXPECT_FALSE(desk.IsConnected());
+  EXPECT_TRUE(desk.TakeHelloDue(kStart + seconds(1)));
+  EXPECT_EQ(desk.attempt(), 2u);
+  EXPECT_EQ(desk.On(Accepted(2), kStart + seconds(1)), JoinDesk::Outcome::kJoined);
+}
+
 TEST(ImageDesk, OneImageIsUnderWayAtATime) {
   ImageDesk desk(seconds(1), seconds(5));
   const DeviceTime t{seconds(10)};

@@ -5,15 +5,18 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "content_store/anchor_store.h"
 #include "mapping/geometry/geodesy.h"
 #include "session/device/device_session.h"
+#include "session/gateway/gateway.h"
 #include "session/server/server.h"
 #include "tests/support/temporary_root.h"
 
@@ -114,6 +117,12 @@ inline std::unique_ptr<Server> StartOnFreeDomain(ServerOptions& options,
   return nullptr;
 }
 
+/// Whether devices come through a gateway: every scenario holds on both ways.
+inline bool UsesGateway() {
+  const char* const transport = std::getenv("WAYMARK_TEST_TRANSPORT");
+  return transport != nullptr && std::string_view(transport) == "gateway";
+}
+
 /// A server on loopback with a store that outlives it, on a DDS domain of this process's own.
 class SessionTest : public testing::Test {
  protected:
@@ -123,6 +132,7 @@ class SessionTest : public testing::Test {
     std::filesystem::create_directories(folder_);
   }
   ~SessionTest() override {
+    gateway_.reset();
     server_.reset();
     std::filesystem::remove_all(folder_);
   }
@@ -141,6 +151,14 @@ class SessionTest : public testing::Test {
     server_ = StartOnFreeDomain(options_, [&] { return MakeParts(release); });
     ASSERT_NE(server_, nullptr);
     domain_ = options_.dds_domain;
+    if (UsesGateway() && gateway_ == nullptr) StartGateway();
+  }
+  void StartGateway(std::uint16_t port = 0) {
+    auto gateway = Gateway::Start(
+        {.listen = {.port = port},
+         .dds = {.domain = domain_, .transmit_loss_per_mille = device_loss_per_mille_}});
+    ASSERT_TRUE(gateway.ok()) << ToString(gateway.error());
+    gateway_ = *std::move(gateway);
   }
   ServerCounters StopServer() {
     const ServerCounters counters = server_->Stop();
@@ -150,7 +168,10 @@ class SessionTest : public testing::Test {
 
   DeviceOptions MakeDeviceOptions(const std::string& name,
                                   const std::string& room = "square") const {
-    return {.dds_domain = domain_,
+    const std::string server =
+        gateway_ ? fmt::format("ws://127.0.0.1:{}", gateway_->port()) : "127.0.0.1";
+    return {.server = server,
+            .dds_domain = domain_,
             .room = RoomId(room),
             .name = name,
             .keyframe_interval = std::chrono::duration<double>(0.02),
@@ -172,6 +193,7 @@ class SessionTest : public testing::Test {
   int domain_ = -1;
   int device_loss_per_mille_ = 0;
   std::unique_ptr<Server> server_;
+  std::unique_ptr<Gateway> gateway_;
 };
 
 /// A phone that stands somewhere and faces east. Its odometry started 1 m north of the map's

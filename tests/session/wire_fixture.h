@@ -5,7 +5,9 @@
 
 #include <array>
 #include <string>
+#include <type_traits>
 
+#include "session/wire/frames.h"
 #include "session/wire/internal/codec.h"
 #include "tests/support/random_geometry.h"
 
@@ -15,11 +17,21 @@ inline const DeviceId kDevice{"01234567-89ab-4def-bedc-ba9876543210"};
 inline const AnchorId kAnchor{"11234567-89ab-4def-bedc-ba9876543210"};
 inline const SubmapId kSubmap{"00112233445566778899aabbccddeeff"};
 
-/// Through the generated type and back.
+inline Result<Upward> DecodeLike(const Upward&, std::span<const std::uint8_t> frame) {
+  return DecodeUpward(frame);
+}
+inline Result<Downward> DecodeLike(const Downward&, std::span<const std::uint8_t> frame) {
+  return DecodeDownward(frame);
+}
+
+/// Through the generated type, bytes, and back.
 template <typename Message>
 Result<Message> Return(const Message& message) {
-  Scratch scratch;
-  return Decode(Encode(message, scratch));
+  constexpr bool kIsUpward = std::is_constructible_v<Upward, Message>;
+  using Any = std::conditional_t<kIsUpward, Upward, Downward>;
+  const Any any(message);
+  WAYMARK_TRY_ASSIGN(const Any returned, DecodeLike(any, EncodeFrame(any)));
+  return std::get<Message>(returned);
 }
 
 MATCHER(IsRefused, "is refused as invalid") {

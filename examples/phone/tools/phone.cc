@@ -56,8 +56,11 @@ int main(int argc, char** argv) {
       "  waymark-phone out/phones/1 --room lobby --place-anchor-after 15 --out phone1.json\n"};
   app.add_option("walk", flags.walk, "kapture folder with one camera and odometry")->required();
   app.add_option("--out", flags.out, "JSON file to write when the walk is over")->required();
-  app.add_option("--server", flags.device.server, "address of waymark-serve")
+  app.add_option("--server", flags.device.server,
+                 "address of waymark-serve, or wss://HOST:PORT of a waymark-gateway")
       ->capture_default_str();
+  app.add_option("--authority", flags.device.authority_file,
+                 "PEM file of who vouches for the gateway; the system's authorities without it");
   app.add_option("--domain", flags.device.dds_domain, "DDS domain of the server")
       ->capture_default_str()
       ->check(CLI::Range(0, 230));

@@ -27,6 +27,8 @@ class JoinDesk {
 
   enum class Outcome { kIgnored, kJoined, kRefused };
 
+  /// The way to the server is a new one: joins again, at once.
+  void Restart(Instant now);
   /// Whether a Hello, or a ping, is to be sent now; counted as sent.
   bool TakeHelloDue(Instant now);
   bool TakePingDue(Instant now);

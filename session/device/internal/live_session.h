@@ -13,12 +13,12 @@
 #include "session/device/internal/desks.h"
 #include "session/device/pose_tracker.h"
 #include "session/device/room_view.h"
-#include "session/wire/device_bus.h"
+#include "session/wire/device_link.h"
 #include "session/wire/inbox.h"
 
 namespace waymark::session::internal {
 
-/// The session over DDS. The application's calls and one worker share the state under a mutex; DDS
+/// The session. The application's calls and one worker share the state under a mutex; the link's
 /// threads only leave messages in the inbox. Images are encoded and sent by the worker.
 class LiveSession final : public DeviceSession {
  public:
@@ -46,7 +46,7 @@ class LiveSession final : public DeviceSession {
 
  private:
   struct WakeUp {};
-  using Item = std::variant<wire::Downward, WakeUp>;
+  using Item = std::variant<wire::DeviceLink::Event, WakeUp>;
 
   LiveSession(const DeviceOptions& options, const DeviceId& id, std::uint32_t first_attempt);
 
@@ -55,6 +55,7 @@ class LiveSession final : public DeviceSession {
   void SendWhatIsDue();
   void SendFrame();
   Instant NextDeadline() const;
+  void On(const wire::DeviceLink::Event& event);
   void On(const Welcome& welcome);
   void On(const Presence& presence) { view_.On(presence); }
   void On(const wire::DeviceGone& gone);
@@ -66,7 +67,6 @@ class LiveSession final : public DeviceSession {
   void On(const RoomState& state) { view_.On(state); }
   void On(const MapState& state);
   void On(const ClockPong& pong);
-  void On(const WakeUp&) {}
 
   std::optional<localiser::LocalisedPose> InLiveMap(const LocaliseAnswer& answer) const;
   LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
@@ -100,7 +100,7 @@ class LiveSession final : public DeviceSession {
   bool has_left_ = false;
 
   std::atomic<bool> is_stopping_ = false;
-  std::unique_ptr<wire::DeviceBus> bus_;  // set before the worker starts
+  std::unique_ptr<wire::DeviceLink> link_;  // set before the worker starts
   std::thread worker_;
 };
 

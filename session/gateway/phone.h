@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "session/gateway/gateway.h"
+#include "session/wire/device_bus.h"
+
+namespace waymark::session::internal {
+
+/// How much a phone may say: a bucket that fills at a rate and holds two seconds of it.
+class Allowance {
+ public:
+  explicit Allowance(double per_s) : per_s_(per_s), left_(2 * per_s) {}
+
+  bool Take(double amount, std::chrono::steady_clock::time_point now);
+
+ private:
+  double per_s_;
+  double left_;
+  std::chrono::steady_clock::time_point filled_ = std::chrono::steady_clock::now();
+};
+
+struct GatewayTally {
+  std::atomic<std::uint64_t> phones = 0, returns = 0, frames = 0, rejected = 0, throttled = 0;
+};
+
+/// One connection of a phone, and the phone on the bus once it has said who it is. Frames are
+/// handled one at a time; everything else is thread-safe.
+class Phone : public std::enable_shared_from_this<Phone> {
+ public:
+  using MakeBus = std::function<Result<std::unique_ptr<wire::DeviceBus>>(
+      const Hello&, wire::DeviceLink::Handler)>;
+  /// What the gateway does with it.
+  struct Calls {
+    MakeBus make_bus;
+    std::function<void(const std::shared_ptr<Phone>&)> on_attached;
+    std::function<void(const std::shared_ptr<Phone>&)> on_lost;  ///< without goodbye
+    std::function<void(const std::shared_ptr<Phone>&)> on_left;  ///< with it, or never attached
+  };
+
+  Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
+        GatewayTally& tally, Calls calls);
+
+  /// Listens to the connection.
+  void Start();
+  /// Ends the connection; the phone stays on the bus.
+  void Close(std::string why) { channel_->Close(std::move(why)); }
+  /// Takes it off the bus.
+  void Detach();
+
+  /// Whom it speaks for; nobody before its first Hello.
+  std::optional<DeviceId> device() const {
+    return hello_ ? std::optional(hello_->device) : std::nullopt;
+  }
+  const std::string& peer() const { return channel_->peer(); }
+
+ private:
+  void OnFrame(std::span<const std::uint8_t> frame);
+  void OnHello(Hello hello);
+  void OnEnd(const Error& why);
+
+  const std::shared_ptr<socket::Channel> channel_;
+  GatewayTally& tally_;
+  const Calls calls_;
+  Allowance messages_, bytes_;
+  int rejected_ = 0;
+  bool has_left_ = false;
+  std::optional<Hello> hello_;  // the first
+
+  std::mutex mutex_;
+  std::unique_ptr<wire::DeviceBus> bus_;  // guarded by mutex_
+};
+
+}  // namespace waymark::session::internal

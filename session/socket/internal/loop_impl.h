@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <thread>
+#include <vector>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include "session/socket/socket_loop.h"
+
+namespace waymark::session::socket {
+
+struct SocketLoop::Impl {
+  explicit Impl(int concurrency) : context(concurrency), guard(context.get_executor()) {}
+
+  boost::asio::io_context context;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> guard;
+  std::vector<std::thread> threads;
+};
+
+}  // namespace waymark::session::socket

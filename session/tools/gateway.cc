@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// waymark-gateway: brings phones on any network to a waymark-serve, until it is told to end.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "mapping/base/log.h"
+#include "session/gateway/gateway.h"
+#include "session/tools/end_signals.h"
+
+namespace waymark::session {
+namespace {
+
+void ParseArguments(CLI::App& app, GatewayOptions& options) {
+  app.footer(
+      "Examples:\n"
+      "  waymark-gateway --port 8443 --certificate chain.pem --key key.pem\n"
+      "  waymark-gateway --listen 127.0.0.1 --port 8080           without TLS, for trials\n"
+      "Phones then join wss://HOST:8443 or ws://127.0.0.1:8080 (waymark-phone --server).");
+  app.add_option("--listen", options.listen.address, "address that phones connect to")
+      ->capture_default_str();
+  app.add_option("--port", options.listen.port, "0: any free one")->capture_default_str();
+  CLI::Option* const certificate =
+      app.add_option("--certificate", options.listen.tls.certificate_chain_file,
+                     "PEM, the server's own first; without it connections are not encrypted");
+  certificate->needs(
+      app.add_option("--key", options.listen.tls.private_key_file, "PEM")->needs(certificate));
+  app.add_option("--server", options.dds.server, "host or address of waymark-serve")
+      ->capture_default_str();
+  app.add_option("--domain", options.dds.domain, "its DDS domain, 0 to 230")->capture_default_str();
+  app.add_option("--threads", options.threads, "that carry connections")->capture_default_str();
+  app.add_option("--max-phones", options.max_phones, "at once; others are sent away")
+      ->capture_default_str();
+  app.add_option("--max-messages", options.max_messages_per_s,
+                 "of a phone in a second; what is beyond is dropped")
+      ->capture_default_str();
+}
+
+Result<void> Run(const GatewayOptions& options, const sigset_t& end_signals) {
+  WAYMARK_TRY_ASSIGN(const auto gateway, Gateway::Start(options));
+  const bool is_open = options.listen.tls.certificate_chain_file.empty();
+  if (is_open && options.listen.address != "127.0.0.1") {
+    LogWarning("connections are not encrypted: give --certificate and --key");
+  }
+  fmt::print("ready pid={} address={} port={} tls={} server={} domain={}\n", ::getpid(),
+             options.listen.address, gateway->port(), is_open ? "no" : "yes", options.dds.server,
+             options.dds.domain);
+  std::fflush(stdout);
+  AwaitSignal(end_signals);
+  fmt::print("ended: {}\n", ToString(gateway->Stop()));
+  return {};
+}
+
+}  // namespace
+}  // namespace waymark::session
+
+int main(int argc, char** argv) {
+  const sigset_t end_signals = waymark::session::BlockEndSignals();
+  CLI::App app{"Brings phones on any network to a server: binary WebSockets, with TLS.",
+               "waymark-gateway"};
+  waymark::session::GatewayOptions options;
+  waymark::session::ParseArguments(app, options);
+  CLI11_PARSE(app, argc, argv);
+  const auto outcome = waymark::session::Run(options, end_signals);
+  if (outcome.ok()) return 0;
+  waymark::LogError("{}", waymark::ToString(outcome.error()));
+  return 1;
+}

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "session/wire/traffic.h"
+
+namespace waymark::session::wire {
+
+/// Messages of one slot replace each other while they wait; those without are all delivered.
+using Slot = std::uint32_t;
+std::optional<Slot> SlotOf(const Upward& message);
+std::optional<Slot> SlotOf(const Downward& message);
+
+/// Frames that wait for a stream which may be slower than what is said: old poses, images and pings
+/// make way for new ones of their kind, everything else waits its turn, up to a bound. Thread-safe.
+class Outbox {
+ public:
+  explicit Outbox(std::size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  enum class Outcome {
+    kFirst,   ///< nothing waited before: wake whoever sends
+    kQueued,  ///< behind others, or in the place of an older one
+    kFull,    ///< dropped
+  };
+  Outcome Push(std::vector<std::uint8_t> frame, std::optional<Slot> slot);
+
+  /// The next frame, oldest place first.
+  std::optional<std::vector<std::uint8_t>> Pop();
+
+  void Clear();
+
+ private:
+  struct Place {
+    std::vector<std::uint8_t> frame;
+    std::optional<Slot> slot;
+  };
+
+  const std::size_t max_bytes_;
+  std::mutex mutex_;
+  // Guarded by mutex_. References into a deque survive pushing and popping at its ends.
+  std::deque<Place> places_;
+  std::map<Slot, Place*> by_slot_;
+  std::size_t bytes_ = 0;
+};
+
+}  // namespace waymark::session::wire

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <variant>
+
+#include "session/state/messages.h"
+
+/// All that travels between devices and the server.
+namespace waymark::session::wire {
+
+/// A device said goodbye, or its process is gone from the network.
+struct Farewell {
+  DeviceId device;
+};
+
+/// Anything a device may say.
+using Upward = std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing>;
+
+/// Another device left, or was lost.
+struct DeviceGone {
+  DeviceId device;
+};
+/// An anchor was deleted.
+struct AnchorGone {
+  AnchorId anchor;
+};
+
+/// Anything the server may say.
+using Downward = std::variant<Welcome, Presence, DeviceGone, PoseBatch, LocaliseAnswer, AnchorState,
+                              AnchorGone, CommandReply, RoomState, MapState, ClockPong>;
+
+}  // namespace waymark::session::wire
