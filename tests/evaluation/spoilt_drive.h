@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+
+#include "mapping/base/result.h"
+
+namespace waymark::evaluation {
+
+/// What goes wrong on a day of driving, in stretches of the way.
+struct SpoilPlan {
+  double share = 0.2;      ///< of the moments of a drive, [0, 1]
+  double stretch = 0.1;    ///< of the drive that one fault lasts, (0, 1]
+  std::uint64_t seed = 1;  ///< of where and what
+};
+
+struct SpoiltDrive {
+  std::size_t images = 0;
+  std::size_t spoilt = 0;
+};
+
+/// Copies a kapture drive, by links, but for stretches where the sun shines into the cameras (all
+/// washed out), the cameras hang (one picture again and again), or pictures come in wrong order.
+/// Errors: those of files and pictures.
+Result<SpoiltDrive> StoreSpoiltDrive(const std::filesystem::path& from,
+                                     const std::filesystem::path& to, const SpoilPlan& plan);
+
+}  // namespace waymark::evaluation
