@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+#include "mapping/base/result.h"
+
+namespace waymark::bench {
+
+/// This program in another process, which says one line when it is ready and stays until it is told
+/// to end.
+class Child {
+ public:
+  /// Errors: Unavailable (it cannot be started, or says nothing).
+  static Result<Child> Start(const std::vector<std::string>& arguments);
+  Child(Child&& other) noexcept;
+  ~Child();
+
+  const std::string& line() const { return line_; }
+  /// Processor time so far.
+  double CpuS() const;
+  /// Resident memory.
+  double MemoryMib() const;
+
+ private:
+  Child(pid_t process, std::string line) : process_(process), line_(std::move(line)) {}
+
+  pid_t process_;
+  std::string line_;
+};
+
+/// Processor time of this process so far.
+double OwnCpuS();
+
+}  // namespace waymark::bench
