@@ -7,6 +7,7 @@
 
 #include "mapping/base/log.h"
 #include "session/gateway/phone.h"
+#include "session/gateway/rooms.h"
 
 namespace waymark::session {
 
@@ -19,12 +20,14 @@ class Gateway::Hub {
   Hub(const GatewayOptions& options, dds::Participant participant)
       : options_(options),
         participant_(std::make_shared<dds::Participant>(std::move(participant))),
-        loop_(options.threads) {}
+        loop_(options.threads),
+        rooms_(participant_) {}
 
   ~Hub() {
     listener_.reset();
     loop_.Stop();
-    for (const PhonePtr& phone : connections_) phone->Detach();  // before the loop they post to
+    for (const PhonePtr& phone : connections_)
+      TakeOffTheBus(phone);  // before the loop they post to
     connections_.clear();
     devices_.clear();
   }
@@ -56,7 +59,8 @@ class Gateway::Hub {
         Phone::Calls{.make_bus =
                          [this](const Hello& hello, wire::DeviceLink::Handler handler) {
                            return wire::DeviceBus::Create(participant_, hello.room, hello.device,
-                                                          std::move(handler));
+                                                          std::move(handler),
+                                                          wire::DeviceBus::Poses::kLeftOut);
                          },
                      .on_attached = [this](const PhonePtr& attached) { Attach(attached); },
                      .on_lost = [this](const PhonePtr& lost) { Linger(lost); },
@@ -76,6 +80,7 @@ class Gateway::Hub {
   /// gone, ends.
   void Attach(const PhonePtr& phone) {
     ++tally_.phones;
+    rooms_.Enter(phone);
     PhonePtr earlier;
     {
       const std::lock_guard lock(mutex_);
@@ -105,6 +110,11 @@ class Gateway::Hub {
       const auto found = device ? devices_.find(*device) : devices_.end();
       if (found != devices_.end() && found->second == phone) devices_.erase(found);
     }
+    TakeOffTheBus(phone);
+  }
+
+  void TakeOffTheBus(const PhonePtr& phone) {
+    if (phone->device()) rooms_.Leave(phone);
     phone->Detach();
   }
 
@@ -116,6 +126,7 @@ class Gateway::Hub {
   std::set<PhonePtr> connections_;        // guarded by mutex_
   std::map<DeviceId, PhonePtr> devices_;  // guarded by mutex_
   std::unique_ptr<socket::Listener> listener_;
+  internal::GatewayRooms rooms_;
 };
 
 Result<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& options) {

@@ -58,6 +58,12 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::optional<DeviceId> device() const {
     return hello_ ? std::optional(hello_->device) : std::nullopt;
   }
+  /// Where it stands; requires device().
+  const RoomId& room() const { return hello_->room; }
+  /// Tells the phone what is told to all of its room.
+  void Tell(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {
+    channel_->Send(frame, slot);
+  }
   const std::string& peer() const { return channel_->peer(); }
 
  private:

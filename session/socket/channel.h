@@ -34,7 +34,10 @@ class Channel {
   virtual void Start(ChannelEvents events) = 0;
   /// Queues a frame (see Outbox). When too much waits, the channel ends: a reader that slow is as
   /// good as gone.
-  virtual void Send(std::vector<std::uint8_t> frame, std::optional<wire::Slot> slot) = 0;
+  virtual void Send(wire::SharedFrame frame, std::optional<wire::Slot> slot) = 0;
+  void Send(std::vector<std::uint8_t> frame, std::optional<wire::Slot> slot) {
+    Send(wire::Share(std::move(frame)), slot);
+  }
   /// Sends what waits, says goodbye and ends, all within a second.
   virtual void Close(std::string why) = 0;
   /// Ends at once.

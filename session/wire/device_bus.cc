@@ -70,8 +70,7 @@ struct DeviceBus::Impl {
           handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
         }));
     WAYMARK_TRY(Listen<RoomState>(partition, handler));
-    WAYMARK_TRY(Listen<MapState>(partition, handler));
-    return Listen<PoseBatch>(partition, handler);
+    return Listen<MapState>(partition, handler);
   }
 
   Result<void> ListenToOwn(const RoomId& room, const Handler& handler) {
@@ -95,12 +94,13 @@ Result<void> CheckIdentity(const RoomId& room, const DeviceId& device) {
 
 Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Participant> participant,
                                                      const RoomId& room, const DeviceId& device,
-                                                     Handler handler) {
+                                                     Handler handler, Poses poses) {
   WAYMARK_TRY(CheckIdentity(room, device));
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room));
   auto impl = std::make_unique<Impl>(std::move(participant), std::move(writers), device);
   WAYMARK_TRY(impl->ListenToOwn(room, handler));
   WAYMARK_TRY(impl->ListenToRoom(room, handler));
+  if (poses == Poses::kHeard) WAYMARK_TRY(impl->Listen<PoseBatch>(DownPartition(room), handler));
   return std::unique_ptr<DeviceBus>(new DeviceBus(std::move(impl)));
 }
 

@@ -25,13 +25,13 @@ std::optional<Slot> SlotOf(const Downward& message) {
   return std::nullopt;
 }
 
-Outbox::Outcome Outbox::Push(std::vector<std::uint8_t> frame, std::optional<Slot> slot) {
+Outbox::Outcome Outbox::Push(SharedFrame frame, std::optional<Slot> slot) {
   const std::lock_guard lock(mutex_);
   const auto waiting = slot ? by_slot_.find(*slot) : by_slot_.end();
   const std::size_t replaced =
-      waiting != by_slot_.end() ? waiting->second->frame.size() : std::size_t{0};
-  if (bytes_ - replaced + frame.size() > max_bytes_) return Outcome::kFull;
-  bytes_ = bytes_ - replaced + frame.size();
+      waiting != by_slot_.end() ? waiting->second->frame->size() : std::size_t{0};
+  if (bytes_ - replaced + frame->size() > max_bytes_) return Outcome::kFull;
+  bytes_ = bytes_ - replaced + frame->size();
   if (waiting != by_slot_.end()) {
     waiting->second->frame = std::move(frame);
     return Outcome::kQueued;
@@ -41,13 +41,13 @@ Outbox::Outcome Outbox::Push(std::vector<std::uint8_t> frame, std::optional<Slot
   return places_.size() == 1 ? Outcome::kFirst : Outcome::kQueued;
 }
 
-std::optional<std::vector<std::uint8_t>> Outbox::Pop() {
+SharedFrame Outbox::Pop() {
   const std::lock_guard lock(mutex_);
-  if (places_.empty()) return std::nullopt;
+  if (places_.empty()) return nullptr;
   Place place = std::move(places_.front());
   places_.pop_front();
   if (place.slot) by_slot_.erase(*place.slot);
-  bytes_ -= place.frame.size();
+  bytes_ -= place.frame->size();
   return std::move(place.frame);
 }
 

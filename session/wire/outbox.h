@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "session/wire/traffic.h"
@@ -16,6 +18,12 @@ namespace waymark::session::wire {
 using Slot = std::uint32_t;
 std::optional<Slot> SlotOf(const Upward& message);
 std::optional<Slot> SlotOf(const Downward& message);
+
+/// Encoded once, sent to many.
+using SharedFrame = std::shared_ptr<const std::vector<std::uint8_t>>;
+inline SharedFrame Share(std::vector<std::uint8_t> frame) {
+  return std::make_shared<const std::vector<std::uint8_t>>(std::move(frame));
+}
 
 /// Frames that wait for a stream which may be slower than what is said: old poses, images and pings
 /// make way for new ones of their kind, everything else waits its turn, up to a bound. Thread-safe.
@@ -28,16 +36,16 @@ class Outbox {
     kQueued,  ///< behind others, or in the place of an older one
     kFull,    ///< dropped
   };
-  Outcome Push(std::vector<std::uint8_t> frame, std::optional<Slot> slot);
+  Outcome Push(SharedFrame frame, std::optional<Slot> slot);
 
-  /// The next frame, oldest place first.
-  std::optional<std::vector<std::uint8_t>> Pop();
+  /// The next frame, oldest place first; null when nothing waits.
+  SharedFrame Pop();
 
   void Clear();
 
  private:
   struct Place {
-    std::vector<std::uint8_t> frame;
+    SharedFrame frame;
     std::optional<Slot> slot;
   };
 

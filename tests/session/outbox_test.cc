@@ -9,39 +9,45 @@ namespace {
 using Frame = std::vector<std::uint8_t>;
 using Outcome = Outbox::Outcome;
 
+Outcome Push(Outbox& outbox, Frame frame, std::optional<Slot> slot) {
+  return outbox.Push(Share(std::move(frame)), slot);
+}
+
+Frame Pop(Outbox& outbox) { return *outbox.Pop(); }
+
 TEST(Outbox, KeepsTheOrderAndSaysWhenToBegin) {
   Outbox outbox(100);
-  EXPECT_EQ(outbox.Push({1}, std::nullopt), Outcome::kFirst);
-  EXPECT_EQ(outbox.Push({2}, std::nullopt), Outcome::kQueued);
-  EXPECT_EQ(outbox.Pop(), Frame{1});
-  EXPECT_EQ(outbox.Pop(), Frame{2});
-  EXPECT_EQ(outbox.Pop(), std::nullopt);
-  EXPECT_EQ(outbox.Push({3}, std::nullopt), Outcome::kFirst);
+  EXPECT_EQ(Push(outbox, {1}, std::nullopt), Outcome::kFirst);
+  EXPECT_EQ(Push(outbox, {2}, std::nullopt), Outcome::kQueued);
+  EXPECT_EQ(Pop(outbox), Frame{1});
+  EXPECT_EQ(Pop(outbox), Frame{2});
+  EXPECT_EQ(outbox.Pop(), nullptr);
+  EXPECT_EQ(Push(outbox, {3}, std::nullopt), Outcome::kFirst);
 }
 
 TEST(Outbox, ANewerOneTakesThePlaceOfItsSlot) {
   Outbox outbox(100);
-  outbox.Push({1}, Slot{5});
-  outbox.Push({2}, std::nullopt);
-  outbox.Push({3, 3}, Slot{5});
-  outbox.Push({4}, Slot{6});
-  EXPECT_EQ(outbox.Pop(), (Frame{3, 3}));
-  EXPECT_EQ(outbox.Push({5}, Slot{5}), Outcome::kQueued) << "the place is free again";
-  EXPECT_EQ(outbox.Pop(), Frame{2});
-  EXPECT_EQ(outbox.Pop(), Frame{4});
-  EXPECT_EQ(outbox.Pop(), Frame{5});
+  Push(outbox, {1}, Slot{5});
+  Push(outbox, {2}, std::nullopt);
+  Push(outbox, {3, 3}, Slot{5});
+  Push(outbox, {4}, Slot{6});
+  EXPECT_EQ(Pop(outbox), (Frame{3, 3}));
+  EXPECT_EQ(Push(outbox, {5}, Slot{5}), Outcome::kQueued) << "the place is free again";
+  EXPECT_EQ(Pop(outbox), Frame{2});
+  EXPECT_EQ(Pop(outbox), Frame{4});
+  EXPECT_EQ(Pop(outbox), Frame{5});
 }
 
 TEST(Outbox, HoldsNoMoreThanItsBytes) {
   Outbox outbox(10);
-  EXPECT_EQ(outbox.Push(Frame(6), Slot{1}), Outcome::kFirst);
-  EXPECT_EQ(outbox.Push(Frame(5), std::nullopt), Outcome::kFull);
-  EXPECT_EQ(outbox.Push(Frame(10), Slot{1}), Outcome::kQueued) << "in the place of the first";
-  EXPECT_EQ(outbox.Push(Frame(1), std::nullopt), Outcome::kFull);
-  EXPECT_EQ(outbox.Pop(), Frame(10));
-  outbox.Push(Frame(9), Slot{1});
+  EXPECT_EQ(Push(outbox, Frame(6), Slot{1}), Outcome::kFirst);
+  EXPECT_EQ(Push(outbox, Frame(5), std::nullopt), Outcome::kFull);
+  EXPECT_EQ(Push(outbox, Frame(10), Slot{1}), Outcome::kQueued) << "in the place of the first";
+  EXPECT_EQ(Push(outbox, Frame(1), std::nullopt), Outcome::kFull);
+  EXPECT_EQ(Pop(outbox), Frame(10));
+  Push(outbox, Frame(9), Slot{1});
   outbox.Clear();
-  EXPECT_EQ(outbox.Push(Frame(10), Slot{1}), Outcome::kFirst);
+  EXPECT_EQ(Push(outbox, Frame(10), Slot{1}), Outcome::kFirst);
 }
 
 TEST(Outbox, OldPosesMakeWayAndAnchorsDoNot) {

@@ -53,7 +53,7 @@ class WebSocketChannel final : public Channel,
     });
   }
 
-  void Send(std::vector<std::uint8_t> frame, std::optional<wire::Slot> slot) override {
+  void Send(wire::SharedFrame frame, std::optional<wire::Slot> slot) override {
     switch (outbox_.Push(std::move(frame), slot)) {
       case wire::Outbox::Outcome::kFirst:
         return OnStrand([](WebSocketChannel& self) { self.Write(); });
@@ -107,11 +107,10 @@ class WebSocketChannel final : public Channel,
 
   void Write() {
     if (is_writing_ || has_ended_) return;
-    std::optional<std::vector<std::uint8_t>> frame = outbox_.Pop();
-    if (!frame) return is_closing_ ? SayGoodbye() : void();
+    outgoing_ = outbox_.Pop();
+    if (!outgoing_) return is_closing_ ? SayGoodbye() : void();
     is_writing_ = true;
-    outgoing_ = *std::move(frame);
-    stream_.async_write(asio::buffer(outgoing_),
+    stream_.async_write(asio::buffer(*outgoing_),
                         [self = this->shared_from_this()](error_code failure, std::size_t) {
                           self->is_writing_ = false;
                           if (failure) return self->End(self->Explain(failure));
@@ -152,7 +151,7 @@ class WebSocketChannel final : public Channel,
   // Used on the strand alone.
   ChannelEvents events_;
   beast::flat_buffer incoming_;
-  std::vector<std::uint8_t> outgoing_;
+  wire::SharedFrame outgoing_;  // being written
   std::string farewell_;
   bool is_writing_ = false;
   bool is_closing_ = false;

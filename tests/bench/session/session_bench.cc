@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a crowd costs: server, gateway and phones in three processes on this machine.
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,7 +10,6 @@
 #include <string>
 #include <thread>
 
-#include "session/tools/end_signals.h"
 #include "tests/bench/session/child.h"
 #include "tests/bench/session/crowd.h"
 #include "tests/session/session_fixture.h"
@@ -25,14 +25,12 @@ struct Flags {
   double hz = 30;
 };
 
+/// SIGTERM ends it as it ends any process.
 int StayUntilTold() {
-  const sigset_t signals = session::BlockEndSignals();
-  session::AwaitSignal(signals);
-  return 0;
+  while (true) ::pause();
 }
 
 int RunServer() {
-  (void)session::BlockEndSignals();
   session::ServerOptions options{.dds_domain = -1};
   const auto server = session::support::StartOnFreeDomain(options, [&] {
     return session::support::MakeParts(session::support::MakeRelease(),
@@ -45,7 +43,6 @@ int RunServer() {
 }
 
 int RunGateway(int domain) {
-  (void)session::BlockEndSignals();
   const auto gateway = session::Gateway::Start({.dds = {.domain = domain}});
   if (!gateway) return 1;
   fmt::print("{}\n", (*gateway)->port());
