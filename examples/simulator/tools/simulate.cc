@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -83,8 +84,11 @@ int SimulateCity(Arguments& arguments) {
       return Fail({waymark::ErrorCode::kInvalidArgument, "unknown light " + arguments.phone_light});
     }
   }
-  const auto progress = [](std::size_t done, std::size_t total) {
-    if (done % 10 == 0 || done == total) fmt::print(stderr, "\r{} of {} pictures", done, total);
+  const bool is_terminal = ::isatty(STDERR_FILENO) != 0;
+  const auto progress = [is_terminal](std::size_t done, std::size_t total) {
+    if (done == total || (is_terminal && done % 10 == 0)) {
+      fmt::print(stderr, "{}{} of {} pictures", is_terminal ? "\r" : "", done, total);
+    }
     if (done == total) fmt::print(stderr, "\n");
   };
   const auto result = Simulate(options, arguments.folder, progress);
