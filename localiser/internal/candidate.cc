@@ -55,7 +55,8 @@ Candidate CarryToMap(const mapping::ReleasedSubmap& submap, SubmapAnswer answer,
   Candidate candidate{.submap = &submap,
                       .matches = answer.matches,
                       .pose = std::nullopt,
-                      .refusal = std::move(answer.refusal)};
+                      .refusal = std::move(answer.refusal),
+                      .ambiguity = std::move(answer.ambiguity)};
   if (!answer.submap_from_camera) return candidate;
   const mapping::AbsolutePose& pose = *answer.submap_from_camera;
   const Transform<Submap, Camera> submap_from_camera(pose.world_from_camera);
@@ -83,6 +84,7 @@ bool IsMoreConvincing(const Candidate& a, const Candidate& b) {
 }
 
 std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates) {
+  if (!candidates.front().ambiguity.empty()) return candidates.front().ambiguity;
   const LocalisedPose& best = *candidates.front().pose;
   for (const Candidate& other : candidates.subspan(1)) {
     if (!other.pose || other.pose->inliers < kComparableShare * best.inliers) break;

@@ -17,6 +17,7 @@ struct Candidate {
   std::size_t matches = 0;
   std::optional<LocalisedPose> pose;  ///< absent: see refusal
   std::string refusal;
+  std::string ambiguity;  ///< of the pose, within its submap; empty: none
 };
 
 /// Carries an answer by map_from_submap and refuses it if gravity or the prior contradicts it.
@@ -26,8 +27,9 @@ Candidate CarryToMap(const mapping::ReleasedSubmap& submap, SubmapAnswer answer,
 /// By inliers; a candidate without a pose by its matches, after all that have one.
 bool IsMoreConvincing(const Candidate& a, const Candidate& b);
 
-/// Two places that look alike: another candidate with nearly as many inliers as the first, but
-/// elsewhere. Shapes: sorted by IsMoreConvincing; the first has a pose.
+/// Two places that look alike: within the submap of the first candidate, or another candidate with
+/// nearly as many inliers as the first, but elsewhere. Shapes: sorted by IsMoreConvincing; the
+/// first has a pose.
 std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates);
 
 }  // namespace waymark::localiser::internal

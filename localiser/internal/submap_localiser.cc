@@ -4,16 +4,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "localiser/internal/look_alike.h"
 #include "localiser/internal/pose_acceptance.h"
+#include "localiser/internal/stated_covariance.h"
 #include "mapping/base/median.h"
 #include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser::internal {
 namespace {
+
+constexpr double kMaxFocalSigmas = 2.5;  // beyond its doubt, the lens is not the one stated
 
 // A landmark is seen once in an image, and one place in it shows one landmark: features of several
 // orientations share their place and must not be counted as independent evidence.
@@ -90,24 +95,40 @@ SubmapAnswer SubmapLocaliser::EstimatePose(const mapping::ImageFeatures& feature
     return answer;
   }
   mapping::AbsolutePose& pose = **estimated;
+  pose.covariance = StatedCovariance(pose.covariance, camera);
   std::vector<Eigen::Vector2d> inliers_px;
   std::vector<double> distances_m;
   for (const std::uint32_t inlier : pose.inliers) {
     inliers_px.push_back(pixels_px[inlier]);
     distances_m.push_back((points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
   }
+  const double median_distance_m = Median(distances_m);
   const auto refusal =
       FindReasonToRefuse({.matches = matches.size(),
                           .inliers_px = inliers_px,
                           .position_covariance = pose.covariance.topLeftCorner<3, 3>(),
-                          .median_distance_m = Median(distances_m),
+                          .median_distance_m = median_distance_m,
                           .max_error_px = options_.max_error_px},
                          camera);
   if (refusal) {
     answer.refusal = *refusal;
-  } else {
-    answer.submap_from_camera = std::move(pose);
+    return answer;
   }
+  if (std::abs(pose.focal_factor - 1) > kMaxFocalSigmas * options_.focal_sigma_share) {
+    answer.refusal =
+        fmt::format("{} inliers contradict the stated focal length: they fit with {:.2f} times it",
+                    pose.inliers.size(), pose.focal_factor);
+    return answer;
+  }
+  const auto twin = FindLookAlike(camera, pixels_px, points_in_submap, pose, median_distance_m,
+                                  options_.max_error_px);
+  if (twin && *twin) {
+    answer.ambiguity = fmt::format(
+        "two places look alike: {} matches agree on a pose, {} of the other {} on one {:.1f} m "
+        "away",
+        pose.inliers.size(), (*twin)->agreeing, (*twin)->matches, (*twin)->distance_m);
+  }
+  answer.submap_from_camera = std::move(pose);
   return answer;
 }
 

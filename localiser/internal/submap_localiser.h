@@ -20,6 +20,7 @@ struct SubmapAnswer {
   std::size_t matches = 0;
   std::optional<mapping::AbsolutePose> submap_from_camera;  ///< absent: see refusal
   std::string refusal;
+  std::string ambiguity;  ///< why the pose is not the only one here; empty when it is
   double search_ms = 0;
   double pose_ms = 0;
 };

@@ -51,6 +51,38 @@ TEST(SubmapLocaliser, FindsWhereAPhotoWasTakenAmongClutter) {
   }
 }
 
+TEST(SubmapLocaliser, RefusesACameraThatIsNotTheOneStated) {
+  RandomPlace place(1);
+  const Fixture submap(place, {.focal_sigma_share = 0.05});
+  const mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 100);
+  const auto answer = [&](double factor) {
+    return submap.localiser->Localise(photo, submap.quantiser->Rank(photo.descriptors, 8),
+                                      TestCamera().WithScaledFocal(factor));
+  };
+  EXPECT_TRUE(answer(1.05).submap_from_camera.has_value());
+  const SubmapAnswer refused = answer(1.3);
+  EXPECT_FALSE(refused.submap_from_camera.has_value());
+  EXPECT_THAT(refused.refusal, testing::HasSubstr("focal length"));
+}
+
+TEST(SubmapLocaliser, SaysWhenHousesAreCopies) {
+  RandomPlace place(1);
+  Fixture submap(place);
+  const std::size_t own = submap.landmarks.size();
+  EXPECT_TRUE(submap.Localise(place.Photo(place.Viewpoint(0), 100)).ambiguity.empty());
+  // A second house beside it; matching finds one half of it more similar, and one of the first.
+  for (std::size_t i = 0; i < own; ++i) {
+    submap.landmarks.push_back(submap.landmarks[i] + Eigen::Vector3d(40, 0, 0));
+  }
+  for (std::uint32_t& landmark : submap.observed) {
+    if (landmark % 2 == 0) landmark += static_cast<std::uint32_t>(own);
+  }
+  submap.localiser.emplace(submap.landmarks, submap.descriptors, submap.observed, *submap.quantiser,
+                           LocaliserOptions{});
+  const SubmapAnswer answer = submap.Localise(place.Photo(place.Viewpoint(0), 100));
+  EXPECT_THAT(answer.ambiguity, testing::HasSubstr("look alike"));
+}
+
 TEST(SubmapLocaliser, RefusesPhotosOfOtherPlaces) {
   RandomPlace place(1);
   const Fixture submap(place);

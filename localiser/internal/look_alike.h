@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "mapping/base/result.h"
+#include "mapping/estimation/absolute_pose.h"
+#include "mapping/geometry/camera_model.h"
+
+namespace waymark::localiser::internal {
+
+/// Another pose that the same image has in the same submap.
+struct LookAlike {
+  std::size_t agreeing = 0;  ///< matches that agree on it, none of them on the first pose,
+  std::size_t matches = 0;   ///< of so many that do not agree on the first
+  double distance_m = 0;     ///< between the two poses
+};
+
+/// Looks for a second pose among the matches that do not agree on the first one. Houses that are
+/// built alike share the matches of an image between them, wherever each was mapped from a more
+/// similar place than the others; what a place of its own leaves over agrees on nothing.
+/// Shapes: pixels and points have equal length. nullopt: no pose elsewhere has enough matches.
+/// Deterministic. Errors: those of EstimateAbsolutePose.
+Result<std::optional<LookAlike>> FindLookAlike(const CameraModel& camera,
+                                               std::span<const Eigen::Vector2d> pixels_px,
+                                               std::span<const Eigen::Vector3d> points_in_submap,
+                                               const mapping::AbsolutePose& pose,
+                                               double median_distance_m, double max_error_px);
+
+}  // namespace waymark::localiser::internal
