@@ -127,8 +127,9 @@ void MakeQuick(ConditionsPlan& plan) {
   plan.requests = 12;
 }
 
-Result<std::vector<ConditionsRow>> RunConditions(const ConditionsPlan& plan,
-                                                 const Workshop& workshop) {
+Result<std::vector<ConditionsRow>> RunConditions(
+    const ConditionsPlan& plan, const Workshop& workshop,
+    const std::function<void(const ConditionsRow&)>& report) {
   WAYMARK_TRY_ASSIGN(const auto submaps, MapDrives(plan, workshop));
   Walk walk;
   const std::size_t lights = plan.lights.size();
@@ -141,6 +142,7 @@ Result<std::vector<ConditionsRow>> RunConditions(const ConditionsPlan& plan,
   for (const std::size_t drives : plan.rows) {
     WAYMARK_TRY_ASSIGN(auto row,
                        RunRow(plan, std::min(drives, submaps.size()), submaps, walk, workshop));
+    if (report) report(row);
     rows.push_back(std::move(row));
   }
   return rows;

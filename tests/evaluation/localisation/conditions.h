@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,11 +47,15 @@ struct ConditionsRow {
   double features_ms = 0;
 };
 
-/// Draws, maps and asks; what the workshop holds already is not done again.
-Result<std::vector<ConditionsRow>> RunConditions(const ConditionsPlan& plan,
-                                                 const Workshop& workshop);
+/// Draws, maps and asks; what the workshop holds already is not done again. `report` is called with
+/// every row as soon as it is known, and may be empty.
+Result<std::vector<ConditionsRow>> RunConditions(
+    const ConditionsPlan& plan, const Workshop& workshop,
+    const std::function<void(const ConditionsRow&)>& report = {});
 
-/// The tables as text, and everything as one JSON document.
+/// What a row cost and how well its covariances describe its errors, two lines.
+std::string DescribeRow(const ConditionsRow& row);
+/// The table of rates as text, and everything as one JSON document.
 std::string DescribeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows);
 std::string EncodeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows);
 

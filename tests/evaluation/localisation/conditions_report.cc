@@ -35,9 +35,24 @@ nlohmann::ordered_json ToJson(const Recall& recall) {
 
 }  // namespace
 
+std::string DescribeRow(const ConditionsRow& row) {
+  const Recall all = Count(row.verdicts);
+  const Calibration calibration = Calibrate(row.verdicts);
+  return fmt::format(
+      "{}: {}\n   {} requests, {} false poses; {:.0f} MiB of submaps, {:.0f} MiB resident, opened "
+      "in {:.1f} s; {:.0f} ms a request, {:.0f} of it for features\n   inside the 95 % ellipsoid: "
+      "position {:.1f} %, rotation {:.1f} %, both {:.1f} %; for 95 % multiply sigmas by {:.2f} and "
+      "{:.2f}\n",
+      row.drives.size(), DriveNames(row), all.requests, all.false_poses,
+      static_cast<double>(row.landmarks_bytes) / (1 << 20), row.resident_mib, row.opening_s,
+      row.request_ms, row.features_ms, 100 * calibration.position_inside,
+      100 * calibration.rotation_inside, 100 * calibration.pose_inside, calibration.position_factor,
+      calibration.rotation_factor);
+}
+
 std::string DescribeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows) {
   std::string text =
-      "Simulation: pictures of waymark-simulate's city; submaps triangulated with the true poses "
+      "\nSimulation: pictures of waymark-simulate's city; submaps triangulated with the true poses "
       "of\n"
       "their images, one per drive. Per cent of requests localised | within 0.1 m and 1 deg | 0.25 "
       "m\n"
@@ -53,24 +68,7 @@ std::string DescribeConditions(const ConditionsPlan& plan, const std::vector<Con
   }
   text += fmt::format("{:18}", "all");
   for (const ConditionsRow& row : rows) text += " | " + RecallCell(Count(row.verdicts));
-  text += "\n\n";
-  for (const ConditionsRow& row : rows) {
-    const Recall all = Count(row.verdicts);
-    const Calibration calibration = Calibrate(row.verdicts);
-    text += fmt::format(
-        "{}: {}\n   {} requests, {} false poses; {:.0f} MiB of submaps, {:.0f} MiB resident, "
-        "opened "
-        "in {:.1f} s; {:.0f} ms a request, {:.0f} of it for features\n   inside the 95 % "
-        "ellipsoid: "
-        "position {:.1f} %, rotation {:.1f} %, both {:.1f} %; for 95 % multiply sigmas by {:.2f} "
-        "and "
-        "{:.2f}\n",
-        row.drives.size(), DriveNames(row), all.requests, all.false_poses,
-        static_cast<double>(row.landmarks_bytes) / (1 << 20), row.resident_mib, row.opening_s,
-        row.request_ms, row.features_ms, 100 * calibration.position_inside,
-        100 * calibration.rotation_inside, 100 * calibration.pose_inside,
-        calibration.position_factor, calibration.rotation_factor);
-  }
+  text += "\n";
   return text;
 }
 

@@ -40,7 +40,10 @@ int Run(int argc, char** argv) {
   app.add_flag("--quick", is_quick, "a tiny world, to try the program");
   CLI11_PARSE(app, argc, argv);
   if (is_quick) MakeQuick(plan);
-  const auto rows = RunConditions(plan, MakeWorkshop(work));
+  const auto rows = RunConditions(plan, MakeWorkshop(work), [](const ConditionsRow& row) {
+    fmt::print("{}", DescribeRow(row));
+    std::fflush(stdout);
+  });
   if (!rows) return Fail(rows.error());
   fmt::print("{}", DescribeConditions(plan, *rows));
   if (json.empty()) return 0;

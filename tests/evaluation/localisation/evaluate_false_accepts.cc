@@ -19,7 +19,12 @@ int Fail(const Error& error) {
 int Evaluate(const FalseAcceptsPlan& plan, const Workshop& workshop, const std::string& json) {
   const auto trials = PrepareFalseAccepts(plan, workshop);
   if (!trials) return Fail(trials.error());
-  const auto verdicts = RunFalseAccepts(plan, *trials, workshop);
+  const auto verdicts =
+      RunFalseAccepts(plan, *trials, workshop, [](const std::vector<Verdict>& batch) {
+        if (batch.empty()) return;
+        fmt::print("{}{}", DescribeKind(batch.front().kind, batch), DescribeFalsePoses(batch));
+        std::fflush(stdout);
+      });
   if (!verdicts) return Fail(verdicts.error());
   fmt::print("{}", DescribeFalseAccepts(*trials, *verdicts));
   if (!json.empty()) {

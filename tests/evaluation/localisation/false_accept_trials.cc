@@ -146,6 +146,7 @@ void Preparation::AddMisstated(const MappedPlace* place, const std::vector<Shown
   Add({"nothing wrong", place, walk});
   Add({"no position stated", place, walk, Claim::kNone});
   Add({"position in another street", place, walk, Claim::kFarFromTruth, 2});
+  if (!plan_.only.starts_with("focal")) return;    // a lie about the lens: only on request
   const std::array factors{0.7, 0.85, 1.15, 1.4};  // each picture meets two of them
   for (std::size_t f = 0; f < factors.size(); ++f) {
     std::vector<Shown> some;

@@ -93,41 +93,50 @@ Result<std::vector<Verdict>> Ask(const FalseAcceptsPlan& plan, const Batch& batc
 
 Rigid3 Nowhere() { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(1e6, 0, 0)}; }
 
-Result<std::vector<Verdict>> RunFalseAccepts(const FalseAcceptsPlan& plan,
-                                             const FalseAcceptTrials& trials,
-                                             const Workshop& workshop) {
+Result<std::vector<Verdict>> RunFalseAccepts(
+    const FalseAcceptsPlan& plan, const FalseAcceptTrials& trials, const Workshop& workshop,
+    const std::function<void(const std::vector<Verdict>&)>& report) {
   std::vector<Verdict> all;
   for (const Batch& batch : trials.batches) {
     WAYMARK_TRY_ASSIGN(auto verdicts, Ask(plan, batch, workshop));
+    if (report) report(verdicts);
     all.insert(all.end(), verdicts.begin(), verdicts.end());
   }
   return all;
 }
 
-std::string DescribeFalseAccepts(const FalseAcceptTrials& trials,
-                                 const std::vector<Verdict>& verdicts) {
-  std::string text =
-      "Simulation: pictures of waymark-simulate's city; submaps triangulated with the true poses "
-      "of\n"
-      "their images. False: accepted, but off by more than 1 m or 5 degrees, or of another "
-      "place.\n\n";
-  text += fmt::format("{:28} {:>8} {:>9} {:>6} {:>22}\n", "kind", "requests", "accepted", "false",
-                      "95 % upper bound");
-  const auto line = [&](const std::string& name, const Recall& recall) {
-    return fmt::format("{:28} {:8} {:9} {:6} {:19.2f} %\n", name, recall.requests, recall.accepted,
-                       recall.false_poses, 100 * UpperBound95(recall.false_poses, recall.requests));
-  };
-  for (const std::string& kind : Kinds(trials)) text += line(kind, Count(verdicts, kind));
-  const Recall all = Count(verdicts);
-  text += line("all", all);
-  text += fmt::format("\n{} distinct pictures; the bar is {:.1f} % false: {}\n",
-                      trials.distinct_pictures, 100 * kBar,
-                      all.Share(all.false_poses) <= kBar ? "held" : "MISSED");
+std::string DescribeKind(const std::string& kind, const std::vector<Verdict>& verdicts) {
+  const Recall recall = Count(verdicts, kind);
+  return fmt::format("{:34} {:8} {:9} {:6} {:18.2f} %\n", kind.empty() ? "all" : kind,
+                     recall.requests, recall.accepted, recall.false_poses,
+                     100 * UpperBound95(recall.false_poses, recall.requests));
+}
+
+std::string DescribeFalsePoses(const std::vector<Verdict>& verdicts) {
+  std::string text;
   for (const Verdict& verdict : verdicts) {
     if (!verdict.IsFalse()) continue;
     text += fmt::format("  {}: off by {:.2f} m, {:.1f} deg: {}\n", verdict.kind, verdict.error_m,
                         verdict.error_deg, verdict.reason);
   }
+  return text;
+}
+
+std::string DescribeFalseAccepts(const FalseAcceptTrials& trials,
+                                 const std::vector<Verdict>& verdicts) {
+  std::string text =
+      "\nSimulation: pictures of waymark-simulate's city; submaps triangulated with the true poses "
+      "of\n"
+      "their images. False: accepted, but off by more than 1 m or 5 degrees, or of another "
+      "place.\n\n";
+  text += fmt::format("{:34} {:>8} {:>9} {:>6} {:>20}\n", "kind", "requests", "accepted", "false",
+                      "95 % upper bound");
+  for (const std::string& kind : Kinds(trials)) text += DescribeKind(kind, verdicts);
+  text += DescribeKind("", verdicts);
+  const Recall all = Count(verdicts);
+  text += fmt::format("\n{} distinct pictures; the bar is {:.1f} % false: {}\n",
+                      trials.distinct_pictures, 100 * kBar,
+                      all.Share(all.false_poses) <= kBar ? "held" : "MISSED");
   return text;
 }
 

@@ -79,11 +79,15 @@ struct FalseAcceptTrials {
 Result<FalseAcceptTrials> PrepareFalseAccepts(const FalseAcceptsPlan& plan,
                                               const Workshop& workshop);
 
-/// Asks everything.
-Result<std::vector<Verdict>> RunFalseAccepts(const FalseAcceptsPlan& plan,
-                                             const FalseAcceptTrials& trials,
-                                             const Workshop& workshop);
+/// Asks everything; `report` is called with every batch and its verdicts as soon as they are known,
+/// and may be empty.
+Result<std::vector<Verdict>> RunFalseAccepts(
+    const FalseAcceptsPlan& plan, const FalseAcceptTrials& trials, const Workshop& workshop,
+    const std::function<void(const std::vector<Verdict>&)>& report = {});
 
+/// One line of the table, and what every false pose said.
+std::string DescribeKind(const std::string& kind, const std::vector<Verdict>& verdicts);
+std::string DescribeFalsePoses(const std::vector<Verdict>& verdicts);
 /// The table by kind as text, and as one JSON document.
 std::string DescribeFalseAccepts(const FalseAcceptTrials& trials,
                                  const std::vector<Verdict>& verdicts);

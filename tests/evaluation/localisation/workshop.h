@@ -21,7 +21,7 @@ inline void AddWorkshopOptions(CLI::App& app, WorkshopArguments& arguments) {
 
 /// With progress in one line of the terminal.
 inline Workshop MakeWorkshop(const WorkshopArguments& arguments) {
-  return {arguments.folder,
+  return {std::filesystem::absolute(arguments.folder),
           {arguments.threads},
           [](const std::string& what, std::size_t done, std::size_t total) {
             if (done % 10 != 0 && done != total) return;
