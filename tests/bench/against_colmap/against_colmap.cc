@@ -33,7 +33,7 @@ Result<Outcome> RunOurs(const fs::path& experience, const fs::path& scratch) {
       evaluation::RunProgram(evaluation::ExecutableFolder() / "waymark-map",
                              {"add", map, experience, "--quiet"}, scratch / "waymark.log"));
   WAYMARK_TRY_ASSIGN(const evaluation::MapPoses poses, evaluation::LoadMapPoses(map));
-  return Outcome{usage, poses.map_from_camera};
+  return Outcome{.usage = usage, .world_from_camera = poses.map_from_camera};
 }
 
 /// One line of the table; returns what it took.
@@ -50,6 +50,7 @@ std::optional<double> Print(const Recording& recording, std::string_view program
              recording.name, program, outcome->usage.wall_s, outcome->usage.cpu_s,
              outcome->usage.peak_mib, errors.common, truth.size(), 1e3 * errors.mean_m,
              1e3 * errors.max_m);
+  if (!outcome->note.empty()) fmt::print("{:14} {:10} {}\n", "", "", outcome->note);
   std::fflush(stdout);
   return outcome->usage.wall_s;
 }

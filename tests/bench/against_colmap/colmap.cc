@@ -83,13 +83,23 @@ Result<Outcome> RunColmap(const fs::path& experience, const std::string& matchin
                                    "0"};
   extract.insert(extract.end(), camera.begin(), camera.end());
   Outcome outcome;
-  for (const std::vector<std::string>& step :
-       {extract,
-        {matching + "_matcher", "--database_path", database, "--SiftMatching.use_gpu", "0"},
-        {"mapper", "--database_path", database, "--image_path", images, "--output_path", models}}) {
+  const std::vector<std::string> match{matching + "_matcher", "--database_path", database,
+                                       "--SiftMatching.use_gpu", "0"};
+  for (const std::vector<std::string>& step : {extract, match}) {
     WAYMARK_TRY_ASSIGN(const evaluation::Usage usage, evaluation::RunProgram("colmap", step, log));
     outcome.usage += usage;
   }
+  std::vector<std::string> map{"mapper", "--database_path", database, "--image_path",
+                               images,   "--output_path",   models};
+  auto mapped = evaluation::RunProgram("colmap", map, log);
+  if (!mapped) {  // by default it begins with no pair of a camera that drives straight on
+    map.insert(map.end(),
+               {"--Mapper.init_max_forward_motion", "1", "--Mapper.init_min_tri_angle", "4"});
+    mapped = evaluation::RunProgram("colmap", map, log);
+    outcome.note = "told to begin with forward motion; by default it makes no model";
+  }
+  WAYMARK_TRY_ASSIGN(const evaluation::Usage usage, mapped);
+  outcome.usage += usage;
   WAYMARK_TRY_ASSIGN(outcome.world_from_camera, LoadLargestModel(models, log));
   return outcome;
 }

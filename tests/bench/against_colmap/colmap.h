@@ -14,11 +14,13 @@ namespace waymark::bench {
 struct Outcome {
   evaluation::Usage usage;
   evaluation::Trajectory world_from_camera;
+  std::string note = {};  ///< of what was done otherwise than by default
 };
 
 /// Runs COLMAP as installed: extraction, "exhaustive" or "sequential" matching, mapping, on the
-/// processor, with the experience's intrinsics as the start. The largest model counts.
-/// Errors: Unavailable when COLMAP is missing, fails or makes no model; those of LoadKapture.
+/// processor, with the experience's intrinsics as the start. The largest model counts. When the
+/// mapper makes none by default, it is told to begin with forward motion; only that run counts
+/// then. Errors: Unavailable when COLMAP is missing, fails or makes no model; those of LoadKapture.
 Result<Outcome> RunColmap(const std::filesystem::path& experience, const std::string& matching,
                           const std::filesystem::path& scratch);
 
