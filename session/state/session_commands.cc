@@ -73,8 +73,9 @@ void SessionState::On(const event::WriteFinished& event, Step& step) {
   if (!event.outcome.ok()) {
     verdict = {CommandOutcome::kUnavailable, ToString(event.outcome.error()), std::nullopt};
   } else if (const auto* applied = std::get_if<event::WriteFinished::Applied>(&*event.outcome)) {
-    Acknowledge(room, write, InLiveMap(applied->anchor), step);
-    if (write.operation != AnchorOperation::kDelete) verdict.current = InLiveMap(applied->anchor);
+    const RoomAnchor written = InLiveMap(applied->anchor);
+    Acknowledge(room, write, written, step);
+    if (write.operation != AnchorOperation::kDelete) verdict.current = written;
   } else {
     auto current = std::get<event::WriteFinished::Conflict>(*event.outcome).current;
     if (current) current = InLiveMap(*current);
