@@ -21,21 +21,21 @@ std::string ImageNameOf(const std::string& line) {
   return line.substr(begin, end - begin);
 }
 
-Result<void> Link(const fs::path& target, const fs::path& link) {
+}  // namespace
+
+Result<void> LinkFile(const fs::path& target, const fs::path& link) {
   std::error_code error;
   fs::create_symlink(fs::absolute(target), link, error);
   if (!error) return {};
   return MakeError(ErrorCode::kUnavailable, "{}: {}", link.string(), error.message());
 }
 
-}  // namespace
-
 Result<std::set<std::string>> StoreKaptureSubset(const fs::path& from, const fs::path& to,
                                                  const ImageFilter& keep) {
   WAYMARK_TRY(CreateFolders(to / "sensors"));
   for (const auto& entry : fs::directory_iterator(from / "sensors")) {
     if (entry.path().filename() == "records_camera.txt") continue;
-    WAYMARK_TRY(Link(entry.path(), to / "sensors" / entry.path().filename()));
+    WAYMARK_TRY(LinkFile(entry.path(), to / "sensors" / entry.path().filename()));
   }
   WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(from / "sensors/records_camera.txt"));
   std::set<std::string> kept;

@@ -12,6 +12,9 @@
 
 namespace waymark::evaluation {
 
+/// Makes `link` stand for `target`, wherever that is named from. Errors: Unavailable.
+Result<void> LinkFile(const std::filesystem::path& target, const std::filesystem::path& link);
+
 /// Which images of an experience stay, by their place in time and their name.
 using ImageFilter = std::function<bool(std::size_t index, const std::string& name)>;
 

@@ -13,6 +13,7 @@
 
 #include "mapping/base/file.h"
 #include "mapping/experience/kapture.h"
+#include "tests/evaluation/data.h"
 
 namespace waymark::evaluation {
 namespace {
@@ -50,13 +51,6 @@ Result<void> StoreGlare(const fs::path& from, const fs::path& to) {
   return MakeError(ErrorCode::kUnavailable, "{}: cannot be written", to.string());
 }
 
-Result<void> Link(const fs::path& target, const fs::path& link) {
-  std::error_code failure;
-  fs::create_symlink(fs::absolute(target), link, failure);
-  if (!failure) return {};
-  return MakeError(ErrorCode::kUnavailable, "{}: {}", link.string(), failure.message());
-}
-
 /// The pictures of one camera.
 class Reel {
  public:
@@ -74,7 +68,7 @@ class Reel {
       if (fault == Fault::kGlare) {
         WAYMARK_TRY(StoreGlare(drive.ImagePath(*records_[i]), path));
       } else {
-        WAYMARK_TRY(Link(drive.ImagePath(*records_[Shown(i, faults)]), path));
+        WAYMARK_TRY(LinkFile(drive.ImagePath(*records_[Shown(i, faults)]), path));
       }
     }
     return spoilt;
@@ -102,7 +96,8 @@ Result<SpoiltDrive> StoreSpoiltDrive(const fs::path& from, const fs::path& to,
   WAYMARK_TRY(CreateFolders(to / "sensors/records_data"));
   WAYMARK_TRY_ASSIGN(const std::vector<std::string> names, ListFolder(from / "sensors"));
   for (const std::string& name : names) {
-    if (name != "records_data") WAYMARK_TRY(Link(from / "sensors" / name, to / "sensors" / name));
+    if (name != "records_data")
+      WAYMARK_TRY(LinkFile(from / "sensors" / name, to / "sensors" / name));
   }
   std::map<SensorTime, Fault> faults;
   std::map<std::string, std::vector<const mapping::ImageRecord*>> reels;

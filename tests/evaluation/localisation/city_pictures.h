@@ -40,6 +40,18 @@ struct TruePicture {
 using WorkProgress =
     std::function<void(const std::string& what, std::size_t done, std::size_t total)>;
 
+/// Gives a plan the simulator's tiny world: what a test can afford.
+template <typename Plan>
+void UseTinyWorld(Plan& plan) {
+  simulator::SimulationOptions tiny;
+  simulator::MakeQuick(tiny);
+  plan.city = tiny.city;
+  plan.car = tiny.car;
+  plan.car.spacing_m = 1.5;
+  plan.phone = tiny.phone;
+  plan.phone.walk.duration_s = 8;
+}
+
 /// What an evaluation keeps from run to run, and how it may work.
 struct Workshop {
   std::filesystem::path folder;

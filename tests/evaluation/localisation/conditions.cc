@@ -113,13 +113,7 @@ Result<ConditionsRow> RunRow(const ConditionsPlan& plan, std::size_t drives,
 }  // namespace
 
 void MakeQuick(ConditionsPlan& plan) {
-  simulator::SimulationOptions quick;
-  simulator::MakeQuick(quick);
-  plan.city = quick.city;
-  plan.car = quick.car;
-  plan.car.spacing_m = 1.5;
-  plan.phone = quick.phone;
-  plan.phone.walk.duration_s = 8;
+  UseTinyWorld(plan);
   plan.keyframes_per_walk = 6;
   plan.drives = {LightPreset::kDay, LightPreset::kNight};
   plan.rows = {1, 2};

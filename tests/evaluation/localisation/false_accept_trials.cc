@@ -184,13 +184,7 @@ Result<FalseAcceptTrials> Preparation::Prepare() && {
 }  // namespace
 
 void MakeQuick(FalseAcceptsPlan& plan) {
-  simulator::SimulationOptions quick;
-  simulator::MakeQuick(quick);
-  plan.city = quick.city;
-  plan.car = quick.car;
-  plan.car.spacing_m = 1.5;
-  plan.phone = quick.phone;
-  plan.phone.walk.duration_s = 8;
+  UseTinyWorld(plan);
   plan.mapped = {LightPreset::kDay};
   plan.asked = {LightPreset::kDay};
   plan.submaps_per_drive = 1;
