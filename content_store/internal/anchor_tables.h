@@ -68,6 +68,13 @@ struct Usage {
   std::int64_t bytes = 0;  ///< of payloads
 };
 
+/// What writes are decided on.
+struct WriteBasis {
+  std::uint64_t latest = 0;  ///< the store's revision
+  std::vector<LogRow> present;
+  std::map<OwnerKey, Usage> usage;
+};
+
 /// Below `through` the log holds `rows` rows, of superseded states none.
 struct Compaction {
   std::uint64_t through = 0;
@@ -119,14 +126,20 @@ class AnchorTables {
   virtual std::vector<PlaceRow> ListPlaces(const std::optional<AnchorKey>& after,
                                            std::size_t limit) = 0;
   virtual std::map<OwnerKey, Usage> FindUsage(const std::vector<OwnerKey>& owners) = 0;
+  /// LatestRevision, FindLatest and FindUsage at once.
+  virtual WriteBasis LoadBasis(const std::vector<AnchorKey>& keys,
+                               const std::vector<OwnerKey>& owners) = 0;
   virtual std::map<OwnerKey, Usage> ListUsage() = 0;
   /// States with revisions in (after, through].
   virtual std::uint64_t CountLog(std::uint64_t after, std::uint64_t through) = 0;
 
+  // What these do may fail as late as in Commit.
   /// Adds states to the log; `previous` goes with each.
   virtual void AppendLog(const std::vector<LogRow>& rows) = 0;
-  /// Makes these the rows of the index; every key once.
-  virtual void PutPlaces(const std::vector<PlaceRow>& places) = 0;
+  /// Adds rows to the index, which has none of these keys.
+  virtual void AddPlaces(const std::vector<PlaceRow>& places) = 0;
+  /// Replaces rows of the index, which has all these keys; every key once.
+  virtual void ChangePlaces(const std::vector<PlaceRow>& places) = 0;
   virtual void PutUsage(const std::map<OwnerKey, Usage>& usage) = 0;
   /// Tells other servers, when committed.
   virtual void Announce(std::uint64_t revision) = 0;

@@ -50,12 +50,12 @@ void Migrate(soci::session& sql, int version) {
       soci::use(kSchemaVersion);
 }
 
-}  // namespace
-
-void LockPostgresWriters(soci::session& sql) {
-  // 'WMAN'; released after the commit is visible, so the next writer sees it.
+/// As every write does: 'WMAN', until the transaction ends.
+void LockWriters(soci::session& sql) {
   sql << "SELECT pg_catalog.pg_advisory_xact_lock(1464680782)";
 }
+
+}  // namespace
 
 Result<void> PreparePostgresSchema(soci::session& sql, const std::string& name,
                                    const StoreOptions& options) {
@@ -69,7 +69,7 @@ Result<void> PreparePostgresSchema(soci::session& sql, const std::string& name,
   if (version < kSchemaVersion) {
     // In one transaction; whoever lost the race finds it done.
     soci::transaction transaction(sql);
-    LockPostgresWriters(sql);
+    LockWriters(sql);
     version = ReadVersion(sql);
     if (version < kSchemaVersion) Migrate(sql, version);
     transaction.commit();

@@ -16,7 +16,4 @@ namespace waymark::content::internal {
 Result<void> PreparePostgresSchema(soci::session& sql, const std::string& name,
                                    const StoreOptions& options);
 
-/// The lock that makes a transaction the only writer until it ends.
-void LockPostgresWriters(soci::session& sql);
-
 }  // namespace waymark::content::internal

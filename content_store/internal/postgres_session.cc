@@ -11,10 +11,6 @@
 namespace waymark::content::internal {
 namespace {
 
-PGconn* Native(soci::session& sql) {
-  return static_cast<soci::postgresql_session_backend*>(sql.get_backend())->conn_;
-}
-
 /// SQLSTATE classes by what a caller can do about them.
 ErrorCode CodeOf(std::string_view state) {
   const std::string_view kind = state.substr(0, 2);
@@ -53,7 +49,11 @@ PostgresSession::PostgresSession(const std::string& uri, const std::string& name
     : name_(name), sql_(soci::postgresql, uri) {
   // What libpq would print beside our own messages.
   PQsetNoticeProcessor(
-      Native(sql_), [](void*, const char*) {}, nullptr);
+      native(), [](void*, const char*) {}, nullptr);
+}
+
+PGconn* PostgresSession::native() {
+  return static_cast<soci::postgresql_session_backend*>(sql_.get_backend())->conn_;
 }
 
 Result<std::unique_ptr<PostgresSession>> PostgresSession::Open(const std::string& uri,
@@ -64,10 +64,13 @@ Result<std::unique_ptr<PostgresSession>> PostgresSession::Open(const std::string
     std::unique_ptr<PostgresSession> session(new PostgresSession(uri, name));
     soci::session& sql = session->sql_;
     sql << "SET synchronous_commit = on";
+    sql << "SET client_encoding = 'UTF8'";
     sql << "SET client_min_messages = warning";
     sql << fmt::format("SET lock_timeout = '{}s'", options.busy_timeout_s);
     // Every statement finds few rows by an index; the planner must not think otherwise before
-    // statistics were collected, nor compile what runs for a tenth of a millisecond.
+    // statistics were collected, think anew each time, nor compile what runs for a tenth of a
+    // millisecond.
+    sql << "SET plan_cache_mode = force_generic_plan";
     for (const char* setting : {"jit", "enable_seqscan", "enable_hashjoin", "enable_mergejoin"}) {
       sql << fmt::format("SET {} = off", setting);
     }
@@ -82,14 +85,13 @@ Result<std::unique_ptr<PostgresSession>> PostgresSession::Open(const std::string
 }
 
 ConnectionState PostgresSession::state() {
-  return PQstatus(Native(sql_)) == CONNECTION_OK ? ConnectionState::kUsable
-                                                 : ConnectionState::kLost;
+  return PQstatus(native()) == CONNECTION_OK ? ConnectionState::kUsable : ConnectionState::kLost;
 }
 
 void PostgresSession::Listen() { sql_ << "LISTEN waymark_anchors"; }
 
 void PostgresSession::AwaitAnnouncement(std::chrono::milliseconds timeout) {
-  PGconn* const connection = Native(sql_);
+  PGconn* const connection = native();
   const auto take_all = [&] {
     bool has_any = false;
     (void)PQconsumeInput(connection);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <libpq-fe.h>
 #include <soci/soci.h>
 
 #include <chrono>
@@ -29,6 +30,7 @@ class PostgresSession {
                                                        const StoreOptions& options);
 
   soci::session& sql() { return sql_; }
+  PGconn* native();
   const std::string& name() const { return name_; }
   ConnectionState state();
 

@@ -2,157 +2,127 @@
 #include "content_store/internal/postgres_statements.h"
 
 #include <stdexcept>
+#include <utility>
 
-#include "content_store/internal/postgres_arrays.h"
+#include "content_store/internal/postgres_binary.h"
+#include "content_store/internal/postgres_queries.h"
 #include "content_store/internal/sql_numbers.h"
 
 namespace waymark::content::internal {
 namespace {
 
-using soci::into;
-using soci::use;
+constexpr auto kNumber = BinaryArray::kNumber;
+constexpr auto kText = BinaryArray::kText;
 
-/// A column of hex texts as the texts themselves.
-std::string Text(const char* column) {
-  return fmt::format("convert_from(decode({}, 'hex'), 'UTF8')", column);
+std::vector<LogRow> ToLogRows(const PostgresRows& rows) {
+  std::vector<LogRow> log;
+  log.reserve(static_cast<std::size_t>(rows.size()));
+  for (int i = 0; i < rows.size(); ++i) {
+    const bool is_there = !rows.IsNull(i, 4);
+    log.push_back({.revision = rows.Revision(i, 0),
+                   .previous = is_there ? rows.Revision(i, 1) : 0,
+                   .room = rows.Text(i, 2),
+                   .id = rows.Text(i, 3),
+                   .state = rows.Text(i, 4),
+                   .checksum = is_there ? rows.Number(i, 5) : 0});
+  }
+  return log;
 }
 
-std::string SelectStates(const std::string& from) {
-  return "SELECT s.revision, s.previous, s.room, s.id, encode(s.state, 'hex'), s.checksum " + from;
-}
-
-/// All ranges in one round trip; each by its index and no farther than the limit. A range has one
-/// lower end: where there are two, the index is read from the one that PostgreSQL happens to take.
-std::string SelectPlaces(const std::string& key, const std::string& where) {
-  return fmt::format(
-      "SELECT p.{0}, p.revision FROM unnest(CAST(:firsts AS bigint[]), CAST(:afters AS bigint[]), "
-      "CAST(:lasts AS bigint[])) AS r(first, after, last), LATERAL (SELECT {0}, revision FROM "
-      "waymark.places WHERE {1} AND ({0}, revision) > (r.first, r.after) AND {0} <= r.last AND "
-      "revision <= :newest ORDER BY {0}, revision LIMIT :most) AS p ORDER BY p.{0}, p.revision "
-      "LIMIT :limit",
-      key, where);
+std::map<OwnerKey, Usage> ToUsage(const PostgresRows& rows) {
+  std::map<OwnerKey, Usage> usage;
+  for (int i = 0; i < rows.size(); ++i) {
+    usage[{rows.Text(i, 0), rows.Text(i, 1)}] = {rows.Number(i, 2), rows.Number(i, 3)};
+  }
+  return usage;
 }
 
 }  // namespace
 
-PostgresStatements::PostgresStatements(soci::session& sql)
-    : latest_((sql.prepare << "SELECT coalesce(max(revision), 0) FROM waymark.states",
-               into(row_revision_))),
-      find_((sql.prepare << "SELECT p.revision, coalesce(s.previous, 0), p.room, p.id, "
-                            "coalesce(encode(s.state, 'hex'), ''), coalesce(s.checksum, 0) FROM "
-                            "unnest(CAST(:rooms AS text[]), CAST(:ids AS text[])) AS k(room, id) "
-                            "JOIN waymark.places p ON p.room = "
-                         << Text("k.room") << " AND p.id = " << Text("k.id")
-                         << " LEFT JOIN waymark.states s ON s.revision = p.revision",
-             use(arrays_[0]), use(arrays_[1]), into(row_revision_), into(row_previous_),
-             into(row_room_), into(row_id_), into(row_state_), into(row_checksum_))),
-      load_((sql.prepare << SelectStates("FROM waymark.states s WHERE s.revision = "
-                                         "ANY(CAST(:revisions AS bigint[]))"),
-             use(arrays_[0]), into(row_revision_), into(row_previous_), into(row_room_),
-             into(row_id_), into(row_state_), into(row_checksum_))),
-      by_cell_((sql.prepare << SelectPlaces("cell", "room = :room"), use(arrays_[0]),
-                use(arrays_[1]), use(arrays_[2]), use(room_), use(newest_), use(limit_),
-                use(limit_), into(row_key_), into(row_revision_))),
-      by_change_((sql.prepare << SelectPlaces("changed", "room = :room"), use(arrays_[0]),
-                  use(arrays_[1]), use(arrays_[2]), use(room_), use(newest_), use(limit_),
-                  use(limit_), into(row_key_), into(row_revision_))),
-      public_by_cell_((sql.prepare << SelectPlaces("cell", "is_public"), use(arrays_[0]),
-                       use(arrays_[1]), use(arrays_[2]), use(newest_), use(limit_), use(limit_),
-                       into(row_key_), into(row_revision_))),
-      log_((sql.prepare << SelectStates("FROM waymark.states s WHERE s.revision > :revision ORDER "
-                                        "BY s.revision LIMIT :limit"),
-            use(revision_), use(limit_), into(row_revision_), into(row_previous_), into(row_room_),
-            into(row_id_), into(row_state_), into(row_checksum_))),
-      room_log_((sql.prepare << SelectStates("FROM waymark.states s WHERE s.room = :room AND "
-                                             "s.revision > :revision ORDER BY s.revision LIMIT "
-                                             ":limit"),
-                 use(room_), use(revision_), use(limit_), into(row_revision_), into(row_previous_),
-                 into(row_room_), into(row_id_), into(row_state_), into(row_checksum_))),
-      append_((sql.prepare << "INSERT INTO waymark.states (revision, previous, room, id, state, "
-                              "checksum) SELECT n.revision, n.previous, "
-                           << Text("n.room") << ", " << Text("n.id")
-                           << ", decode(n.state, 'hex'), n.checksum FROM unnest(CAST(:a AS "
-                              "bigint[]), CAST(:b AS bigint[]), CAST(:c AS text[]), CAST(:d AS "
-                              "text[]), CAST(:e AS text[]), CAST(:f AS bigint[])) AS n(revision, "
-                              "previous, room, id, state, checksum)",
-               use(arrays_[0]), use(arrays_[1]), use(arrays_[2]), use(arrays_[3]), use(arrays_[4]),
-               use(arrays_[5]))),
-      put_((sql.prepare << "INSERT INTO waymark.places (room, id, revision, cell, changed, "
-                           "expires, is_public) SELECT "
-                        << Text("n.room") << ", " << Text("n.id")
-                        << ", n.revision, n.cell, n.changed, n.expires, n.is_public <> 0 FROM "
-                           "unnest(CAST(:a AS text[]), CAST(:b AS text[]), CAST(:c AS bigint[]), "
-                           "CAST(:d AS bigint[]), CAST(:e AS bigint[]), CAST(:f AS bigint[]), "
-                           "CAST(:g AS bigint[])) AS n(room, id, revision, cell, changed, expires, "
-                           "is_public) ON CONFLICT (room, id) DO UPDATE SET revision = "
-                           "excluded.revision, cell = excluded.cell, changed = excluded.changed, "
-                           "expires = excluded.expires, is_public = excluded.is_public",
-            use(arrays_[0]), use(arrays_[1]), use(arrays_[2]), use(arrays_[3]), use(arrays_[4]),
-            use(arrays_[5]), use(arrays_[6]))),
-      find_usage_((sql.prepare << "SELECT u.room, u.owner, u.anchors, u.bytes FROM unnest(CAST(:a "
-                                  "AS text[]), CAST(:b AS text[])) AS k(room, owner) JOIN "
-                                  "waymark.usage u ON u.room = "
-                               << Text("k.room") << " AND u.owner = " << Text("k.owner"),
-                   use(arrays_[0]), use(arrays_[1]), into(row_room_), into(row_id_),
-                   into(row_revision_), into(row_previous_))),
-      put_usage_((sql.prepare << "INSERT INTO waymark.usage (room, owner, anchors, bytes) SELECT "
-                              << Text("n.room") << ", " << Text("n.owner")
-                              << ", n.anchors, n.bytes FROM unnest(CAST(:a AS text[]), CAST(:b AS "
-                                 "text[]), CAST(:c AS bigint[]), CAST(:d AS bigint[])) AS n(room, "
-                                 "owner, anchors, bytes) ON CONFLICT (room, owner) DO UPDATE SET "
-                                 "anchors = excluded.anchors, bytes = excluded.bytes",
-                  use(arrays_[0]), use(arrays_[1]), use(arrays_[2]), use(arrays_[3]))),
-      announce_(
-          (sql.prepare << "SELECT pg_catalog.pg_notify('waymark_anchors', CAST(CAST(:revision "
-                          "AS bigint) AS text))",
-           use(revision_))) {}
+PostgresStatements::PostgresStatements(PostgresPipeline& pipeline) : pipeline_(pipeline) {
+  for (const PostgresQuery& query : PostgresQueries()) pipeline_.Prepare(query.name, query.text);
+  (void)pipeline_.Await();
+}
+
+void PostgresStatements::BeginWrite() {
+  pipeline_.Send("wm_begin_write");
+  pipeline_.Send("wm_lock");
+}
+
+void PostgresStatements::CommitRead() {
+  pipeline_.Send("wm_commit");
+  pipeline_.Flush();
+}
+
+void PostgresStatements::CommitWrite() {
+  pipeline_.Send("wm_commit");
+  (void)pipeline_.Await();
+}
+
+void PostgresStatements::Rollback() {
+  pipeline_.Send("wm_rollback");
+  (void)pipeline_.Await();
+}
+
+PostgresRows PostgresStatements::AwaitLast() {
+  std::vector<PostgresRows> answers = pipeline_.Await();
+  if (answers.empty()) throw std::runtime_error("expected an answer from the database");
+  return std::move(answers.back());
+}
 
 std::uint64_t PostgresStatements::Latest() {
-  latest_.execute(true);
-  return static_cast<std::uint64_t>(row_revision_);
+  pipeline_.Send("wm_latest");
+  return AwaitLast().Revision(0, 0);
 }
 
-std::vector<LogRow> PostgresStatements::Fetch(soci::statement& statement) {
-  std::vector<LogRow> rows;
-  statement.execute();
-  while (statement.fetch()) {
-    std::optional<std::string> state = FindHexBytes(row_state_);
-    if (!state) throw std::runtime_error("expected hex digits from the database");
-    rows.push_back({.revision = static_cast<std::uint64_t>(row_revision_),
-                    .previous = static_cast<std::uint64_t>(row_previous_),
-                    .room = row_room_,
-                    .id = row_id_,
-                    .state = *std::move(state),
-                    .checksum = row_checksum_});
+WriteBasis PostgresStatements::LoadBasis(const std::vector<AnchorKey>& keys,
+                                         const std::vector<OwnerKey>& owners) {
+  pipeline_.Send("wm_latest");
+  SendFindLatest(keys);
+  SendFindUsage(owners);
+  const std::vector<PostgresRows> answers = pipeline_.Await();
+  if (answers.size() < 3) throw std::runtime_error("expected three answers from the database");
+  const auto last = answers.end();
+  return {(last - 3)->Revision(0, 0), ToLogRows(*(last - 2)), ToUsage(*(last - 1))};
+}
+
+void PostgresStatements::SendFindLatest(const std::vector<AnchorKey>& keys) {
+  BinaryArray rooms(kText), ids(kText);
+  for (const AnchorKey& key : keys) {
+    rooms.Add(key.room.text());
+    ids.Add(key.id.text());
   }
-  return rows;
-}
-
-void PostgresStatements::Bind(std::initializer_list<const PostgresArray*> arrays) {
-  std::size_t i = 0;
-  for (const PostgresArray* array : arrays) arrays_[i++] = array->Text();
+  pipeline_.Send("wm_find", {std::move(rooms).Take(), std::move(ids).Take()});
 }
 
 std::vector<LogRow> PostgresStatements::FindLatest(const std::vector<AnchorKey>& keys) {
-  PostgresArray rooms, ids;
-  for (const AnchorKey& key : keys) {
-    rooms.AddHex(key.room.text());
-    ids.AddHex(key.id.text());
+  SendFindLatest(keys);
+  return ToLogRows(AwaitLast());
+}
+
+void PostgresStatements::SendFindUsage(const std::vector<OwnerKey>& owners) {
+  BinaryArray rooms(kText), names(kText);
+  for (const OwnerKey& key : owners) {
+    rooms.Add(key.room);
+    names.Add(key.owner);
   }
-  Bind({&rooms, &ids});
-  return Fetch(find_);
+  pipeline_.Send("wm_find_usage", {std::move(rooms).Take(), std::move(names).Take()});
+}
+
+std::map<OwnerKey, Usage> PostgresStatements::FindUsage(const std::vector<OwnerKey>& owners) {
+  SendFindUsage(owners);
+  return ToUsage(AwaitLast());
 }
 
 std::vector<LogRow> PostgresStatements::LoadStates(const std::vector<std::uint64_t>& revisions) {
-  PostgresArray wanted;
+  BinaryArray wanted(kNumber);
   for (const std::uint64_t revision : revisions) wanted.Add(Clamp(revision));
-  Bind({&wanted});
-  return Fetch(load_);
+  pipeline_.Send("wm_load", {std::move(wanted).Take()});
+  return ToLogRows(AwaitLast());
 }
 
 std::vector<Position> PostgresStatements::FindPlaces(const Scan& scan) {
-  if (scan.room) room_ = scan.room->text();
-  PostgresArray firsts, afters, lasts;
+  BinaryArray firsts(kNumber), afters(kNumber), lasts(kNumber);
   for (const auto& [first, last] : scan.ranges) {
     if (last < scan.after.key) continue;
     const bool has_begun = first <= scan.after.key;
@@ -160,91 +130,77 @@ std::vector<Position> PostgresStatements::FindPlaces(const Scan& scan) {
     afters.Add(has_begun ? Clamp(scan.after.revision) : 0);  // revisions begin with 1
     lasts.Add(last);
   }
-  Bind({&firsts, &afters, &lasts});
-  newest_ = Clamp(scan.newest);
-  limit_ = Clamp(scan.limit);
-  soci::statement& statement = !scan.room                          ? public_by_cell_
-                               : scan.order == ScanOrder::kChanged ? by_change_
-                                                                   : by_cell_;
+  std::vector<std::string> parameters{std::move(firsts).Take(), std::move(afters).Take(),
+                                      std::move(lasts).Take(), ToBinary(Clamp(scan.newest)),
+                                      ToBinary(Clamp(scan.limit))};
+  if (scan.room) parameters.push_back(scan.room->text());
+  pipeline_.Send(!scan.room                          ? "wm_public_by_cell"
+                 : scan.order == ScanOrder::kChanged ? "wm_by_change"
+                                                     : "wm_by_cell",
+                 parameters);
+  const PostgresRows rows = AwaitLast();
   std::vector<Position> positions;
-  statement.execute();
-  while (statement.fetch()) {
-    positions.push_back({row_key_, static_cast<std::uint64_t>(row_revision_)});
-  }
+  for (int i = 0; i < rows.size(); ++i)
+    positions.push_back({rows.Number(i, 0), rows.Revision(i, 1)});
   return positions;
 }
 
-std::vector<LogRow> PostgresStatements::LoadLog(std::uint64_t after, std::size_t limit) {
-  revision_ = Clamp(after);
-  limit_ = Clamp(limit);
-  return Fetch(log_);
-}
-
-std::vector<LogRow> PostgresStatements::LoadRoomLog(const RoomId& room, std::uint64_t after,
-                                                    std::size_t limit) {
-  room_ = room.text();
-  revision_ = Clamp(after);
-  limit_ = Clamp(limit);
-  return Fetch(room_log_);
+std::vector<LogRow> PostgresStatements::LoadLog(const std::optional<RoomId>& room,
+                                                std::uint64_t after, std::size_t limit) {
+  std::vector<std::string> parameters{ToBinary(Clamp(after)), ToBinary(Clamp(limit))};
+  if (room) parameters.push_back(room->text());
+  pipeline_.Send(room ? "wm_room_log" : "wm_log", parameters);
+  return ToLogRows(AwaitLast());
 }
 
 void PostgresStatements::Append(const std::vector<LogRow>& rows) {
-  PostgresArray revisions, previous, rooms, ids, states, checksums;
+  BinaryArray revisions(kNumber), previous(kNumber), checksums(kNumber);
+  BinaryArray rooms(kText), ids(kText), states(BinaryArray::kBytes);
   for (const LogRow& row : rows) {
     revisions.Add(Clamp(row.revision));
     previous.Add(Clamp(row.previous));
-    rooms.AddHex(row.room);
-    ids.AddHex(row.id);
-    states.AddHex(row.state);
+    rooms.Add(row.room);
+    ids.Add(row.id);
+    states.Add(row.state);
     checksums.Add(row.checksum);
   }
-  Bind({&revisions, &previous, &rooms, &ids, &states, &checksums});
-  append_.execute(true);
+  pipeline_.Send("wm_append",
+                 {std::move(revisions).Take(), std::move(previous).Take(), std::move(rooms).Take(),
+                  std::move(ids).Take(), std::move(states).Take(), std::move(checksums).Take()});
 }
 
-void PostgresStatements::Put(const std::vector<PlaceRow>& places) {
-  PostgresArray rooms, ids, revisions, cells, changed, expires, is_public;
+void PostgresStatements::SendPlaces(const char* query, const std::vector<PlaceRow>& places) {
+  BinaryArray rooms(kText), ids(kText), revisions(kNumber), cells(kNumber), changed(kNumber);
+  BinaryArray expires(kNumber), is_public(kNumber);
   for (const PlaceRow& place : places) {
-    rooms.AddHex(place.key.room.text());
-    ids.AddHex(place.key.id.text());
+    rooms.Add(place.key.room.text());
+    ids.Add(place.key.id.text());
     revisions.Add(Clamp(place.revision));
     cells.Add(place.cell);
     changed.Add(place.changed);
     expires.Add(place.expires);
     is_public.Add(std::int64_t{place.is_public ? 1 : 0});
   }
-  Bind({&rooms, &ids, &revisions, &cells, &changed, &expires, &is_public});
-  put_.execute(true);
-}
-
-std::map<OwnerKey, Usage> PostgresStatements::FindUsage(const std::vector<OwnerKey>& owners) {
-  PostgresArray rooms, names;
-  for (const OwnerKey& key : owners) {
-    rooms.AddHex(key.room);
-    names.AddHex(key.owner);
-  }
-  Bind({&rooms, &names});
-  std::map<OwnerKey, Usage> usage;
-  find_usage_.execute();
-  while (find_usage_.fetch()) usage[{row_room_, row_id_}] = {row_revision_, row_previous_};
-  return usage;
+  pipeline_.Send(query,
+                 {std::move(rooms).Take(), std::move(ids).Take(), std::move(revisions).Take(),
+                  std::move(cells).Take(), std::move(changed).Take(), std::move(expires).Take(),
+                  std::move(is_public).Take()});
 }
 
 void PostgresStatements::PutUsage(const std::map<OwnerKey, Usage>& usage) {
-  PostgresArray rooms, owners, anchors, bytes;
+  BinaryArray rooms(kText), owners(kText), anchors(kNumber), bytes(kNumber);
   for (const auto& [key, owned] : usage) {
-    rooms.AddHex(key.room);
-    owners.AddHex(key.owner);
+    rooms.Add(key.room);
+    owners.Add(key.owner);
     anchors.Add(owned.anchors);
     bytes.Add(owned.bytes);
   }
-  Bind({&rooms, &owners, &anchors, &bytes});
-  put_usage_.execute(true);
+  pipeline_.Send("wm_put_usage", {std::move(rooms).Take(), std::move(owners).Take(),
+                                  std::move(anchors).Take(), std::move(bytes).Take()});
 }
 
 void PostgresStatements::Announce(std::uint64_t revision) {
-  revision_ = Clamp(revision);
-  announce_.execute(true);
+  pipeline_.Send("wm_announce", {ToBinary(Clamp(revision))});
 }
 
 }  // namespace waymark::content::internal

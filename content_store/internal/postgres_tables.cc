@@ -13,13 +13,13 @@
 namespace waymark::content::internal {
 namespace {
 
-using soci::into;
-using soci::use;
-
 class PostgresTables final : public SqlTables {
  public:
   explicit PostgresTables(std::unique_ptr<PostgresSession> session)
-      : SqlTables("waymark."), session_(std::move(session)), statements_(session_->sql()) {}
+      : SqlTables("waymark."),
+        session_(std::move(session)),
+        pipeline_(session_->native()),
+        statements_(pipeline_) {}
 
   const std::string& name() const override { return session_->name(); }
   Error Describe(const std::exception& exception) const override {
@@ -27,17 +27,20 @@ class PostgresTables final : public SqlTables {
   }
   ConnectionState state() override { return session_->state(); }
 
-  void BeginRead() override { sql() << "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"; }
-  void BeginWrite() override {
-    sql() << "BEGIN ISOLATION LEVEL READ COMMITTED";
-    LockPostgresWriters(sql());
+  void BeginRead() override {
+    is_reading_ = true;
+    statements_.BeginRead();
   }
-  void Commit() override { sql() << "COMMIT"; }
-  void Rollback() override { sql() << "ROLLBACK"; }
+  void BeginWrite() override {
+    is_reading_ = false;
+    statements_.BeginWrite();
+  }
+  void Commit() override { is_reading_ ? statements_.CommitRead() : statements_.CommitWrite(); }
+  void Rollback() override { statements_.Rollback(); }
 
   std::uint64_t LatestRevision() override { return statements_.Latest(); }
   std::vector<LogRow> FindLatest(const std::vector<AnchorKey>& keys) override {
-    return keys.empty() ? std::vector<LogRow>() : statements_.FindLatest(keys);
+    return statements_.FindLatest(keys);
   }
   std::vector<LogRow> LoadStates(const std::vector<std::uint64_t>& revisions) override {
     return statements_.LoadStates(revisions);
@@ -47,16 +50,22 @@ class PostgresTables final : public SqlTables {
   }
   std::vector<LogRow> LoadLog(const std::optional<RoomId>& room, std::uint64_t after,
                               std::size_t limit) override {
-    return room ? statements_.LoadRoomLog(*room, after, limit) : statements_.LoadLog(after, limit);
+    return statements_.LoadLog(room, after, limit);
   }
   void AppendLog(const std::vector<LogRow>& rows) override { statements_.Append(rows); }
-  void PutPlaces(const std::vector<PlaceRow>& places) override { statements_.Put(places); }
+  void AddPlaces(const std::vector<PlaceRow>& places) override { statements_.Add(places); }
+  void ChangePlaces(const std::vector<PlaceRow>& places) override { statements_.Change(places); }
   std::map<OwnerKey, Usage> FindUsage(const std::vector<OwnerKey>& owners) override {
-    return owners.empty() ? std::map<OwnerKey, Usage>() : statements_.FindUsage(owners);
+    return statements_.FindUsage(owners);
+  }
+  WriteBasis LoadBasis(const std::vector<AnchorKey>& keys,
+                       const std::vector<OwnerKey>& owners) override {
+    return statements_.LoadBasis(keys, owners);
   }
   void PutUsage(const std::map<OwnerKey, Usage>& usage) override { statements_.PutUsage(usage); }
   void Announce(std::uint64_t revision) override { statements_.Announce(revision); }
   bool AwaitAnnouncement(std::chrono::milliseconds timeout) override {
+    pipeline_.Finish();
     if (!listens_) session_->Listen();
     listens_ = true;
     session_->AwaitAnnouncement(timeout);
@@ -68,10 +77,15 @@ class PostgresTables final : public SqlTables {
   std::vector<std::string> CheckStructure() override { return {}; }
 
  private:
-  soci::session& sql() override { return session_->sql(); }
+  soci::session& sql() override {
+    pipeline_.Finish();
+    return session_->sql();
+  }
 
   const std::unique_ptr<PostgresSession> session_;
-  PostgresStatements statements_;  // goes before the session
+  PostgresPipeline pipeline_;
+  PostgresStatements statements_;
+  bool is_reading_ = false;  // the transaction under way, or the last one
   bool listens_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
+#include <deque>
 #include <mutex>
 
 #include "content_store/anchor_rules.h"
@@ -54,7 +55,8 @@ class SqlStore final : public AnchorStore {
   }
   Result<WriteOutcome> Delete(const RoomId& room, const AnchorId& id,
                               std::uint64_t expected_revision) override {
-    return RunOne({WriteKind::kDelete, {.id = id, .room = room}, expected_revision});
+    const AnchorRecord record{.id = id, .room = room};
+    return RunOne({WriteKind::kDelete, record, expected_revision});
   }
   Result<std::size_t> Expire(std::int64_t now_utc_ms, std::size_t limit) override;
 
@@ -159,12 +161,11 @@ Result<std::size_t> SqlStore::Expire(std::int64_t now_utc_ms, std::size_t limit)
           return tables.FindExpired(now_utc_ms, std::min(kMaxAtOnce, limit - deleted));
         }));
     if (due.empty()) break;
+    std::deque<AnchorRecord> records;
     std::vector<WriteRequest> requests;
     for (const PlaceRow& place : due) {
-      requests.push_back({WriteKind::kDelete,
-                          {.id = place.key.id, .room = place.key.room},
-                          place.revision,
-                          false});
+      records.push_back({.id = place.key.id, .room = place.key.room});
+      requests.push_back({WriteKind::kDelete, records.back(), place.revision, false});
     }
     std::size_t applied = 0;
     for (const auto& outcome : queue_.Run(requests)) {

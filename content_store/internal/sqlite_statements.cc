@@ -52,13 +52,16 @@ SqliteStatements::SqliteStatements(soci::session& sql)
                               "VALUES (:revision, :previous, :room, :id, CAST(:state AS BLOB), "
                               ":checksum)",
                use(revision_), use(previous_), use(room_), use(id_), use(state_), use(checksum_))),
-      put_((sql.prepare << "INSERT INTO places (room, id, revision, cell, changed, expires, "
+      add_((sql.prepare << "INSERT INTO places (room, id, revision, cell, changed, expires, "
                            "is_public) VALUES (:room, :id, :revision, :cell, :changed, :expires, "
-                           ":is_public) ON CONFLICT (room, id) DO UPDATE SET revision = "
-                           "excluded.revision, cell = excluded.cell, changed = excluded.changed, "
-                           "expires = excluded.expires, is_public = excluded.is_public",
+                           ":is_public)",
             use(room_), use(id_), use(revision_), use(cell_, has_cell_),
             use(changed_, has_changed_), use(expires_, expires_ever_), use(is_public_))),
+      change_((sql.prepare << "UPDATE places SET revision = :revision, cell = :cell, changed = "
+                              ":changed, expires = :expires, is_public = :is_public WHERE room = "
+                              ":room AND id = :id",
+               use(revision_), use(cell_, has_cell_), use(changed_, has_changed_),
+               use(expires_, expires_ever_), use(is_public_), use(room_), use(id_))),
       find_usage_((sql.prepare << "SELECT anchors, bytes FROM usage WHERE room = :room AND owner = "
                                   ":owner",
                    use(room_), use(id_), into(row_revision_), into(row_key_))),
@@ -155,7 +158,7 @@ void SqliteStatements::Bind(const std::optional<std::int64_t>& value, long long&
   number = value.value_or(0);
 }
 
-void SqliteStatements::Put(const PlaceRow& place) {
+void SqliteStatements::Bind(const PlaceRow& place) {
   room_ = place.key.room.text();
   id_ = place.key.id.text();
   revision_ = Clamp(place.revision);
@@ -163,7 +166,16 @@ void SqliteStatements::Put(const PlaceRow& place) {
   Bind(place.changed, changed_, has_changed_);
   Bind(place.expires, expires_, expires_ever_);
   is_public_ = place.is_public ? 1 : 0;
-  put_.execute(true);
+}
+
+void SqliteStatements::Add(const PlaceRow& place) {
+  Bind(place);
+  add_.execute(true);
+}
+
+void SqliteStatements::Change(const PlaceRow& place) {
+  Bind(place);
+  change_.execute(true);
 }
 
 std::optional<Usage> SqliteStatements::FindUsage(const OwnerKey& owner) {

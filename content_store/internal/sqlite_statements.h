@@ -27,12 +27,14 @@ class SqliteStatements {
   std::vector<LogRow> LoadLog(std::uint64_t after, std::size_t limit);
   std::vector<LogRow> LoadRoomLog(const RoomId& room, std::uint64_t after, std::size_t limit);
   void Append(const LogRow& row);
-  void Put(const PlaceRow& place);
+  void Add(const PlaceRow& place);
+  void Change(const PlaceRow& place);
   std::optional<Usage> FindUsage(const OwnerKey& owner);
   void PutUsage(const OwnerKey& owner, const Usage& usage);
 
  private:
   void Fetch(soci::statement& statement, std::vector<LogRow>& rows);
+  void Bind(const PlaceRow& place);
   void Bind(const std::optional<std::int64_t>& value, long long& number, soci::indicator& presence);
 
   // What the statements below are bound to.
@@ -46,7 +48,7 @@ class SqliteStatements {
   long long row_revision_ = 0, row_previous_ = 0, row_key_ = 0, row_checksum_ = 0;
   soci::indicator row_presence_[3] = {};
   soci::statement latest_, find_, load_, by_cell_, by_change_, public_by_cell_, log_, room_log_;
-  soci::statement append_, put_, find_usage_, put_usage_;
+  soci::statement append_, add_, change_, find_usage_, put_usage_;
 };
 
 }  // namespace waymark::content::internal

@@ -53,13 +53,20 @@ class SqliteTables final : public SqlTables {
   void AppendLog(const std::vector<LogRow>& rows) override {
     for (const LogRow& row : rows) statements_.Append(row);
   }
-  void PutPlaces(const std::vector<PlaceRow>& places) override {
-    for (const PlaceRow& place : places) statements_.Put(place);
+  void AddPlaces(const std::vector<PlaceRow>& places) override {
+    for (const PlaceRow& place : places) statements_.Add(place);
+  }
+  void ChangePlaces(const std::vector<PlaceRow>& places) override {
+    for (const PlaceRow& place : places) statements_.Change(place);
   }
   void Announce(std::uint64_t) override {}
   bool AwaitAnnouncement(std::chrono::milliseconds) override { return false; }
 
   std::map<OwnerKey, Usage> FindUsage(const std::vector<OwnerKey>& owners) override;
+  WriteBasis LoadBasis(const std::vector<AnchorKey>& keys,
+                       const std::vector<OwnerKey>& owners) override {
+    return {LatestRevision(), FindLatest(keys), FindUsage(owners)};
+  }
   void PutUsage(const std::map<OwnerKey, Usage>& usage) override {
     for (const auto& [owner, owned] : usage) statements_.PutUsage(owner, owned);
   }

@@ -8,8 +8,6 @@
 namespace waymark::content::internal {
 namespace {
 
-AnchorKey KeyOf(const WriteRequest& request) { return {request.record.room, request.record.id}; }
-
 WriteConflict ConflictWith(const std::optional<AnchorState>& state) {
   if (!state || state->is_deleted) return {};
   return {state->record};
@@ -37,67 +35,79 @@ AnchorRecord Changed(const WriteRequest& request, const AnchorRecord& present) {
 
 std::vector<Result<WriteOutcome>> WriteBatch::Run(
     const std::vector<const WriteRequest*>& requests) {
-  revision_ = tables_.LatestRevision();
-  LoadPresent(requests);
-  LoadUsage(requests);
+  LoadBasis(requests);
+  LoadOwners(requests);
   std::vector<Result<WriteOutcome>> outcomes;
   outcomes.reserve(requests.size());
-  for (const WriteRequest* request : requests) outcomes.push_back(Apply(*request));
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    outcomes.push_back(Apply(*requests[i], *asked_[i]));
+  }
   if (has_written()) Store();
   return outcomes;
 }
 
-void WriteBatch::LoadPresent(const std::vector<const WriteRequest*>& requests) {
+/// The anchors that are asked for, and the owners that the requests name.
+void WriteBatch::LoadBasis(const std::vector<const WriteRequest*>& requests) {
   std::vector<AnchorKey> keys;
   for (const WriteRequest* request : requests) {
-    const auto [entry, is_new] = present_.try_emplace(KeyOf(*request), std::nullopt);
+    const AnchorRecord& record = request->record;
+    const auto [entry, is_new] = slots_.try_emplace({record.room, record.id});
+    asked_.push_back(&entry->second);
     // What is no text is in no store, and some databases would not even be asked about it.
-    if (is_new && IsText(entry->first.room.text()) && IsText(entry->first.id.text())) {
+    if (is_new && IsText(record.room.text()) && IsText(record.id.text())) {
       keys.push_back(entry->first);
     }
+    if (request->kind != WriteKind::kCreate) continue;
+    known_owners_.insert({record.room.text(), record.owner});
   }
-  for (const LogRow& row : tables_.FindLatest(keys)) {
+  WriteBasis basis = tables_.LoadBasis(keys, {known_owners_.begin(), known_owners_.end()});
+  revision_ = basis.latest;
+  usage_ = std::move(basis.usage);
+  for (const LogRow& row : basis.present) {
     auto state = VerifyRow(tables_.name(), row);
-    Present& present = present_.at({RoomId(row.room), AnchorId(row.id)});
-    present = state ? Present(std::optional(*std::move(state))) : Present(state.error());
+    Slot& slot = slots_.at({RoomId(row.room), AnchorId(row.id)});
+    if (state) {
+      slot.present = std::optional(*std::move(state));
+    } else {
+      slot.present = state.error();
+    }
   }
 }
 
-void WriteBatch::LoadUsage(const std::vector<const WriteRequest*>& requests) {
-  std::set<OwnerKey> owners;
-  for (const WriteRequest* request : requests) {
-    const Present& present = present_.at(KeyOf(*request));
-    if (!present) continue;
-    const bool is_live = *present && !(*present)->is_deleted;
-    if (request->kind != WriteKind::kCreate && !is_live) continue;
-    const std::string& owner = is_live ? (*present)->record.owner : request->record.owner;
-    owners.insert({request->record.room.text(), owner});
-    owners.insert({request->record.room.text(), request->record.owner});
+/// The owners of what is there already and may change.
+void WriteBatch::LoadOwners(const std::vector<const WriteRequest*>& requests) {
+  std::vector<OwnerKey> owners;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    const auto& present = asked_[i]->present;
+    if (requests[i]->kind == WriteKind::kCreate) continue;
+    if (!present || !*present || (*present)->is_deleted) continue;
+    const OwnerKey owner{requests[i]->record.room.text(), (*present)->record.owner};
+    if (known_owners_.insert(owner).second) owners.push_back(owner);
   }
-  usage_ = tables_.FindUsage({owners.begin(), owners.end()});
+  if (!owners.empty()) usage_.merge(tables_.FindUsage(owners));
 }
 
-Result<WriteOutcome> WriteBatch::Apply(const WriteRequest& request) {
-  Present& present = present_.at(KeyOf(request));
-  if (!present) return present.error();
-  if (request.kind == WriteKind::kCreate) return Create(request, *present);
-  const bool is_expected = *present && !(*present)->is_deleted &&
-                           (*present)->record.revision == request.expected_revision;
-  if (!is_expected) return {ConflictWith(*present)};
-  if (request.is_limited) WAYMARK_TRY(rates_.Admit((*present)->record.owner, now_));
-  AnchorState& state = **present;
-  if (request.kind != WriteKind::kDelete) return Change(request, state);
-  WAYMARK_TRY(Account(state.record.room.text(), state.record.owner, -1, -PayloadBytes(state)));
-  AnchorRecord last = state.record;
+Result<WriteOutcome> WriteBatch::Apply(const WriteRequest& request, Slot& slot) {
+  if (!slot.present) return slot.present.error();
+  if (request.kind == WriteKind::kCreate) return Create(request, slot);
+  std::optional<AnchorState>& present = *slot.present;
+  const bool is_expected =
+      present && !present->is_deleted && present->record.revision == request.expected_revision;
+  if (!is_expected) return {ConflictWith(present)};
+  if (request.is_limited) WAYMARK_TRY(rates_.Admit(present->record.owner, now_));
+  if (request.kind != WriteKind::kDelete) return Change(request, slot);
+  WAYMARK_TRY(
+      Account(present->record.room.text(), present->record.owner, -1, -PayloadBytes(*present)));
+  AnchorRecord last = present->record;
   AnchorState deletion{.record = {.id = last.id, .room = last.room}, .creation = {}};
   deletion.is_deleted = true;
-  last.revision = Append(*present, std::move(deletion)).revision;
+  last.revision = Append(slot, std::move(deletion)).revision;
   return {std::move(last)};
 }
 
-Result<WriteOutcome> WriteBatch::Create(const WriteRequest& request,
-                                        std::optional<AnchorState>& present) {
+Result<WriteOutcome> WriteBatch::Create(const WriteRequest& request, Slot& slot) {
   std::string creation = ContentFingerprint(request.record);
+  const std::optional<AnchorState>& present = *slot.present;
   if (present) {
     const bool is_retry = !present->is_deleted && present->creation == creation;
     if (is_retry) return {present->record};
@@ -106,14 +116,15 @@ Result<WriteOutcome> WriteBatch::Create(const WriteRequest& request,
   if (request.is_limited) WAYMARK_TRY(rates_.Admit(request.record.owner, now_));
   AnchorState state{.record = request.record, .creation = std::move(creation)};
   WAYMARK_TRY(Account(state.record.room.text(), state.record.owner, 1, PayloadBytes(state)));
-  return {Append(present, std::move(state))};
+  return {Append(slot, std::move(state))};
 }
 
-Result<WriteOutcome> WriteBatch::Change(const WriteRequest& request, AnchorState& present) {
+Result<WriteOutcome> WriteBatch::Change(const WriteRequest& request, Slot& slot) {
+  const AnchorState& present = **slot.present;
   AnchorState next{.record = Changed(request, present.record), .creation = present.creation};
   WAYMARK_TRY(Account(present.record.room.text(), present.record.owner, 0,
                       PayloadBytes(next) - PayloadBytes(present)));
-  return {Append(*present_.at(KeyOf(request)), std::move(next))};
+  return {Append(slot, std::move(next))};
 }
 
 /// Growth is refused beyond the limits; what shrinks is always welcome.
@@ -137,20 +148,25 @@ Result<void> WriteBatch::Account(const std::string& room, const std::string& own
   return {};
 }
 
-AnchorRecord WriteBatch::Append(std::optional<AnchorState>& present, AnchorState next) {
+AnchorRecord WriteBatch::Append(Slot& slot, AnchorState next) {
+  std::optional<AnchorState>& present = *slot.present;
+  slot.is_new = slot.is_new || !present;
+  slot.is_changed = true;
   const std::uint64_t previous = present ? present->record.revision : 0;
   next.record.revision = ++revision_;
   rows_.push_back(ToLogRow(next, previous));
-  changed_.insert({next.record.room, next.record.id});
   present = std::move(next);
   return present->record;
 }
 
 void WriteBatch::Store() {
   tables_.AppendLog(rows_);
-  std::vector<PlaceRow> places;
-  for (const AnchorKey& key : changed_) places.push_back(ToPlaceRow(**present_.at(key)));
-  tables_.PutPlaces(places);
+  std::vector<PlaceRow> added, changed;
+  for (const auto& [key, slot] : slots_) {  // in the order of the index
+    if (slot.is_changed) (slot.is_new ? added : changed).push_back(ToPlaceRow(**slot.present));
+  }
+  if (!added.empty()) tables_.AddPlaces(added);
+  if (!changed.empty()) tables_.ChangePlaces(changed);
   std::map<OwnerKey, Usage> usage;
   for (const OwnerKey& owner : changed_usage_) usage.emplace(owner, usage_.at(owner));
   if (!usage.empty()) tables_.PutUsage(usage);

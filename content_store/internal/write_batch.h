@@ -18,7 +18,7 @@ enum class WriteKind { kCreate, kUpdate, kMove, kDelete };
 /// One write as a caller asked for it, its values within their limits.
 struct WriteRequest {
   WriteKind kind;
-  AnchorRecord record;  ///< kMove: only the fields of AnchorMove; kDelete: only room and id
+  const AnchorRecord& record;  ///< kMove: the fields of AnchorMove; kDelete: room and id; borrowed
   std::uint64_t expected_revision = 0;
   bool is_limited = true;  ///< counts in its owner's rate
 };
@@ -38,16 +38,21 @@ class WriteBatch {
   bool has_written() const { return !rows_.empty(); }
 
  private:
-  using Present = Result<std::optional<AnchorState>>;  // an error: its state is damaged
+  /// An anchor that is asked for, as of the writes applied so far.
+  struct Slot {
+    Result<std::optional<AnchorState>> present = std::optional<AnchorState>();  // or it is damaged
+    bool is_new = false;      // the index never had it
+    bool is_changed = false;  // by one of these writes
+  };
 
-  void LoadPresent(const std::vector<const WriteRequest*>& requests);
-  void LoadUsage(const std::vector<const WriteRequest*>& requests);
-  Result<WriteOutcome> Apply(const WriteRequest& request);
-  Result<WriteOutcome> Create(const WriteRequest& request, std::optional<AnchorState>& present);
-  Result<WriteOutcome> Change(const WriteRequest& request, AnchorState& present);
+  void LoadBasis(const std::vector<const WriteRequest*>& requests);
+  void LoadOwners(const std::vector<const WriteRequest*>& requests);
+  Result<WriteOutcome> Apply(const WriteRequest& request, Slot& slot);
+  Result<WriteOutcome> Create(const WriteRequest& request, Slot& slot);
+  Result<WriteOutcome> Change(const WriteRequest& request, Slot& slot);
   Result<void> Account(const std::string& room, const std::string& owner, std::int64_t anchors,
                        std::int64_t bytes);
-  AnchorRecord Append(std::optional<AnchorState>& present, AnchorState next);
+  AnchorRecord Append(Slot& slot, AnchorState next);
   void Store();
 
   AnchorTables& tables_;
@@ -55,10 +60,11 @@ class WriteBatch {
   RateLimit& rates_;
   const RateLimit::Time now_;
   std::uint64_t revision_ = 0;
-  std::map<AnchorKey, Present> present_;  // as of the writes applied so far
+  std::map<AnchorKey, Slot> slots_;
+  std::vector<Slot*> asked_;         // by the requests, in their order
+  std::set<OwnerKey> known_owners_;  // whose usage is in usage_, if they have any
   std::map<OwnerKey, Usage> usage_;
   std::set<OwnerKey> changed_usage_;
-  std::set<AnchorKey> changed_;
   std::vector<LogRow> rows_;
 };
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <libpq-fe.h>
 
-#include <cstdlib>
-#include <mutex>
+#include <vector>
 
-#include "content_store/internal/postgres_arrays.h"
+#include "content_store/internal/postgres_binary.h"
 #include "content_store/internal/record_codec.h"
 #include "mapping/base/check.h"
 #include "tests/bench/anchors/raw_store.h"
@@ -12,91 +11,143 @@
 namespace waymark::bench {
 namespace {
 
-using content::internal::PostgresArray;
+using content::internal::BinaryArray;
 
-/// The fastest way to insert a group by hand that keeps to plain SQL: one statement with arrays.
-class RawPostgres final : public RawStore {
+class Connection {
  public:
-  explicit RawPostgres(const std::string& uri) : connection_(PQconnectdb(uri.c_str())) {
+  explicit Connection(const std::string& uri) : connection_(PQconnectdb(uri.c_str())) {
     CHECK(PQstatus(connection_) == CONNECTION_OK, "{}", PQerrorMessage(connection_));
-    Run("SET jit = off");
-    Run("SET enable_seqscan = off");
-    Run("DROP TABLE IF EXISTS raw_anchors");
-    Run("CREATE TABLE raw_anchors (n bigserial PRIMARY KEY, room text COLLATE \"C\", id text "
-        "COLLATE \"C\", latitude double precision, longitude double precision, record bytea)");
-    Run("CREATE UNIQUE INDEX raw_by_id ON raw_anchors (room, id)");
-    Run("CREATE INDEX raw_by_place ON raw_anchors (room, latitude, longitude)");
-    Prepare("insert",
-            "INSERT INTO raw_anchors (room, id, latitude, longitude, record) SELECT "
-            "convert_from(decode(n.room, 'hex'), 'UTF8'), convert_from(decode(n.id, 'hex'), "
-            "'UTF8'), n.latitude, n.longitude, decode(n.record, 'hex') FROM unnest($1::text[], "
-            "$2::text[], $3::float8[], $4::float8[], $5::text[]) AS n(room, id, latitude, "
-            "longitude, record)");
-    Prepare("near",
-            "SELECT latitude, longitude, encode(record, 'hex') FROM raw_anchors WHERE room = $1 "
-            "AND latitude BETWEEN $2 AND $3 AND longitude BETWEEN $4 AND $5");
-  }
-  ~RawPostgres() override { PQfinish(connection_); }
-
-  void Create(std::span<const content::AnchorRecord> records) override {
-    PostgresArray rooms, ids, states;
-    std::string latitudes = "{", longitudes = "{";
-    for (const content::AnchorRecord& record : records) {
-      rooms.AddHex(record.room.text());
-      ids.AddHex(record.id.text());
-      states.AddHex(content::internal::EncodeState({.record = record}));
-      const char* const comma = latitudes.size() > 1 ? "," : "";
-      latitudes += fmt::format("{}{}", comma, record.place.latitude.degrees());
-      longitudes += fmt::format("{}{}", comma, record.place.longitude.degrees());
+    for (const char* setting :
+         {"SET jit = off", "SET enable_seqscan = off", "SET client_min_messages = warning",
+          "SET plan_cache_mode = force_generic_plan"}) {
+      Run(setting);
     }
-    const std::lock_guard lock(mutex_);
-    PQclear(Execute("insert",
-                    {rooms.Text(), ids.Text(), latitudes + "}", longitudes + "}", states.Text()}));
   }
+  ~Connection() { PQfinish(connection_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
 
-  std::vector<std::string> FindNear(const RoomId& room, const GeoPoint& centre,
-                                    double radius_m) override {
-    const DegreeBox box = BoxAround(centre, radius_m);
-    const std::lock_guard lock(mutex_);
-    PGresult* const result =
-        Execute("near", {room.text(), fmt::format("{}", box.south), fmt::format("{}", box.north),
-                         fmt::format("{}", box.west), fmt::format("{}", box.east)});
-    NearRows rows(centre, radius_m);
-    for (int i = 0; i < PQntuples(result); ++i) {
-      rows.Add(std::strtod(PQgetvalue(result, i, 0), nullptr),
-               std::strtod(PQgetvalue(result, i, 1), nullptr),
-               content::internal::FindHexBytes(PQgetvalue(result, i, 2)).value());
+  void Run(const char* statement) { Check(PQexec(connection_, statement)); }
+  void Prepare(const char* text) { Check(PQprepare(connection_, "insert", text, 0, nullptr)); }
+  /// Runs the prepared statement, which commits by itself.
+  void Execute(const std::vector<std::string>& parameters) {
+    std::vector<const char*> values;
+    std::vector<int> lengths;
+    for (const std::string& parameter : parameters) {
+      values.push_back(parameter.data());
+      lengths.push_back(static_cast<int>(parameter.size()));
     }
-    PQclear(result);
-    return std::move(rows).Take();
+    const std::vector<int> formats(parameters.size(), 1);
+    Check(PQexecPrepared(connection_, "insert", static_cast<int>(parameters.size()), values.data(),
+                         lengths.data(), formats.data(), 1));
   }
 
  private:
-  void Run(const char* statement) { PQclear(Checked(PQexec(connection_, statement))); }
-  void Prepare(const char* name, const char* text) {
-    PQclear(Checked(PQprepare(connection_, name, text, 0, nullptr)));
-  }
-  PGresult* Execute(const char* name, const std::vector<std::string>& parameters) {
-    std::vector<const char*> values;
-    for (const std::string& parameter : parameters) values.push_back(parameter.c_str());
-    return Checked(PQexecPrepared(connection_, name, static_cast<int>(values.size()), values.data(),
-                                  nullptr, nullptr, 0));
-  }
-  PGresult* Checked(PGresult* result) {
+  void Check(PGresult* result) {
     const ExecStatusType status = PQresultStatus(result);
     CHECK(status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK, "{}",
           PQerrorMessage(connection_));
-    return result;
+    PQclear(result);
   }
 
-  std::mutex mutex_;
-  PGconn* const connection_;  // guarded by mutex_
+  PGconn* const connection_;
+};
+
+/// The columns of a group, as arrays.
+struct Columns {
+  explicit Columns(std::span<const content::AnchorRecord> records) {
+    for (const content::AnchorRecord& record : records) {
+      rooms.Add(record.room.text());
+      ids.Add(record.id.text());
+      // A place in nanodegrees: integers are what a B-tree compares fastest.
+      latitudes.Add(static_cast<std::int64_t>(1e9 * record.place.latitude.degrees()));
+      longitudes.Add(static_cast<std::int64_t>(1e9 * record.place.longitude.degrees()));
+      states.Add(content::internal::EncodeState({.record = record}));
+      owners.Add(record.owner);
+      changed.Add(record.changed_utc_ms);
+      expires.Add(record.expires_utc_ms);
+      bytes.Add(std::ssize(record.payload));
+    }
+  }
+  BinaryArray rooms{BinaryArray::kText}, ids{BinaryArray::kText}, owners{BinaryArray::kText};
+  BinaryArray latitudes{BinaryArray::kNumber}, longitudes{BinaryArray::kNumber};
+  BinaryArray changed{BinaryArray::kNumber}, expires{BinaryArray::kNumber};
+  BinaryArray bytes{BinaryArray::kNumber}, states{BinaryArray::kBytes};
+};
+
+class RowStore final : public RawStore {
+ public:
+  explicit RowStore(const std::string& uri) : connection_(uri) {
+    connection_.Run(
+        "DROP TABLE IF EXISTS raw_anchors; CREATE TABLE raw_anchors (n bigserial PRIMARY KEY, room "
+        "text COLLATE \"C\", id text COLLATE \"C\", latitude bigint, longitude bigint, record "
+        "bytea); CREATE UNIQUE INDEX raw_by_id ON raw_anchors (room, id); CREATE INDEX "
+        "raw_by_place ON raw_anchors (room, latitude, longitude)");
+    connection_.Prepare(
+        "INSERT INTO raw_anchors (room, id, latitude, longitude, record) SELECT * FROM "
+        "unnest($1::text[], $2::text[], $3::bigint[], $4::bigint[], $5::bytea[])");
+  }
+
+  void Create(std::span<const content::AnchorRecord> records) override {
+    Columns all(records);
+    connection_.Execute({std::move(all.rooms).Take(), std::move(all.ids).Take(),
+                         std::move(all.latitudes).Take(), std::move(all.longitudes).Take(),
+                         std::move(all.states).Take()});
+  }
+
+ private:
+  Connection connection_;
+};
+
+class SameStore final : public RawStore {
+ public:
+  explicit SameStore(const std::string& uri) : connection_(uri) {
+    connection_.Run(
+        "DROP TABLE IF EXISTS same_anchors, same_changes, same_owned, same_counter; "
+        "CREATE TABLE same_counter (value bigint NOT NULL); INSERT INTO same_counter VALUES (0); "
+        "CREATE TABLE same_anchors (room text COLLATE \"C\", id text COLLATE \"C\", revision "
+        "bigint, latitude bigint, longitude bigint, changed bigint, expires bigint, record bytea, "
+        "PRIMARY KEY (room, id)); "
+        "CREATE INDEX ON same_anchors (room, latitude, longitude); "
+        "CREATE INDEX ON same_anchors (room, changed); "
+        "CREATE INDEX ON same_anchors (expires) WHERE expires IS NOT NULL; "
+        "CREATE TABLE same_changes (revision bigint PRIMARY KEY, room text COLLATE \"C\", id text "
+        "COLLATE \"C\"); CREATE INDEX ON same_changes (room, revision); "
+        "CREATE TABLE same_owned (room text COLLATE \"C\", owner text COLLATE \"C\", anchors "
+        "bigint, bytes bigint, PRIMARY KEY (room, owner))");
+    connection_.Prepare(
+        "WITH taken AS (UPDATE same_counter SET value = value + $10::bigint RETURNING value - "
+        "$10::bigint AS base), given AS (SELECT * FROM unnest($1::text[], $2::text[], "
+        "$3::bigint[], $4::bigint[], $5::bytea[], $6::text[], $7::bigint[], $8::bigint[], "
+        "$9::bigint[]) WITH ORDINALITY AS g(room, id, latitude, longitude, record, owner, changed, "
+        "expires, bytes, n)), put AS (INSERT INTO same_anchors (room, id, revision, latitude, "
+        "longitude, changed, expires, record) SELECT room, id, base + n, latitude, longitude, "
+        "changed, expires, record FROM given, taken ON CONFLICT (room, id) DO NOTHING RETURNING "
+        "revision, room, id), logged AS (INSERT INTO same_changes SELECT * FROM put), owned AS "
+        "(INSERT INTO same_owned AS o SELECT room, owner, count(*), sum(bytes) FROM given GROUP BY "
+        "room, owner ON CONFLICT (room, owner) DO UPDATE SET anchors = o.anchors + "
+        "excluded.anchors, bytes = o.bytes + excluded.bytes) SELECT pg_notify('same', base::text) "
+        "FROM taken");
+  }
+
+  void Create(std::span<const content::AnchorRecord> records) override {
+    Columns all(records);
+    connection_.Execute(
+        {std::move(all.rooms).Take(), std::move(all.ids).Take(), std::move(all.latitudes).Take(),
+         std::move(all.longitudes).Take(), std::move(all.states).Take(),
+         std::move(all.owners).Take(), std::move(all.changed).Take(), std::move(all.expires).Take(),
+         std::move(all.bytes).Take(), content::internal::ToBinary(std::ssize(records))});
+  }
+
+ private:
+  Connection connection_;
 };
 
 }  // namespace
 
-std::unique_ptr<RawStore> OpenRawPostgres(const std::string& uri) {
-  return std::make_unique<RawPostgres>(uri);
+std::unique_ptr<RawStore> OpenRawPostgres(const std::string& uri, Facts facts) {
+  if (facts == Facts::kRow) return std::make_unique<RowStore>(uri);
+  return std::make_unique<SameStore>(uri);
 }
 
 }  // namespace waymark::bench

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sqlite3.h>
 
-#include <mutex>
+#include <optional>
 
 #include "content_store/internal/record_codec.h"
 #include "mapping/base/check.h"
@@ -10,89 +10,148 @@
 namespace waymark::bench {
 namespace {
 
-void Bind(sqlite3_stmt* statement, int at, const std::string& text) {
-  CHECK(sqlite3_bind_text(statement, at, text.data(), static_cast<int>(text.size()),
-                          SQLITE_TRANSIENT) == SQLITE_OK);
-}
-
-class RawSqlite final : public RawStore {
+/// A prepared statement.
+class Statement {
  public:
-  explicit RawSqlite(const std::string& file) {
-    CHECK(sqlite3_open(file.c_str(), &database_) == SQLITE_OK);
-    Run("PRAGMA journal_mode = WAL");
-    Run("PRAGMA synchronous = FULL");
-    Run("PRAGMA cache_size = -16384");  // as the store's
-    Run("CREATE TABLE anchors (n INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude REAL, "
-        "longitude REAL, record BLOB)");
-    Run("CREATE UNIQUE INDEX by_id ON anchors (room, id)");
-    Run("CREATE INDEX by_place ON anchors (room, latitude, longitude)");
-    insert_ = Prepare("INSERT INTO anchors VALUES (NULL, ?1, ?2, ?3, ?4, ?5)");
-    near_ = Prepare(
-        "SELECT latitude, longitude, record FROM anchors WHERE room = ?1 AND latitude BETWEEN ?2 "
-        "AND ?3 AND longitude BETWEEN ?4 AND ?5");
+  Statement(sqlite3* database, const char* text) : database_(database) {
+    sqlite3_prepare_v2(database, text, -1, &statement_, nullptr);
+    CHECK(statement_ != nullptr, "{}", sqlite3_errmsg(database));
   }
-  ~RawSqlite() override {
-    for (sqlite3_stmt* statement : {insert_, near_}) sqlite3_finalize(statement);
-    sqlite3_close(database_);
-  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
 
-  void Create(std::span<const content::AnchorRecord> records) override {
-    const std::lock_guard lock(mutex_);
-    Run("BEGIN IMMEDIATE");
-    for (const content::AnchorRecord& record : records) {
-      Bind(insert_, 1, record.room.text());
-      Bind(insert_, 2, record.id.text());
-      sqlite3_bind_double(insert_, 3, record.place.latitude.degrees());
-      sqlite3_bind_double(insert_, 4, record.place.longitude.degrees());
-      Bind(insert_, 5, content::internal::EncodeState({.record = record}));
-      CHECK(sqlite3_step(insert_) == SQLITE_DONE, "{}", sqlite3_errmsg(database_));
-      sqlite3_reset(insert_);
+  template <typename... Values>
+  void Run(const Values&... values) {
+    int at = 0;
+    (Bind(++at, values), ...);
+    first_ = 0;
+    int result = 0;
+    while ((result = sqlite3_step(statement_)) == SQLITE_ROW) {
+      first_ = sqlite3_column_int64(statement_, 0);
     }
-    Run("COMMIT");
+    CHECK(result == SQLITE_DONE, "{}", sqlite3_errmsg(database_));
+    sqlite3_reset(statement_);
   }
-
-  std::vector<std::string> FindNear(const RoomId& room, const GeoPoint& centre,
-                                    double radius_m) override {
-    const std::lock_guard lock(mutex_);
-    const DegreeBox box = BoxAround(centre, radius_m);
-    Bind(near_, 1, room.text());
-    int at = 2;
-    for (const double side : {box.south, box.north, box.west, box.east}) {
-      sqlite3_bind_double(near_, at++, side);
-    }
-    NearRows rows(centre, radius_m);
-    while (sqlite3_step(near_) == SQLITE_ROW) {
-      const auto* bytes = static_cast<const char*>(sqlite3_column_blob(near_, 2));
-      const auto size = static_cast<std::size_t>(sqlite3_column_bytes(near_, 2));
-      rows.Add(sqlite3_column_double(near_, 0), sqlite3_column_double(near_, 1),
-               std::string(bytes, size));
-    }
-    sqlite3_reset(near_);
-    return std::move(rows).Take();
-  }
+  std::int64_t first() const { return first_; }  ///< column of the last row
 
  private:
+  void Bind(int at, const std::string& text) {
+    sqlite3_bind_text(statement_, at, text.data(), static_cast<int>(text.size()), SQLITE_STATIC);
+  }
+  void Bind(int at, double value) { sqlite3_bind_double(statement_, at, value); }
+  void Bind(int at, std::int64_t value) { sqlite3_bind_int64(statement_, at, value); }
+  void Bind(int at, const std::optional<std::int64_t>& value) {
+    value ? sqlite3_bind_int64(statement_, at, *value) : sqlite3_bind_null(statement_, at);
+  }
+
+  sqlite3* const database_;
+  sqlite3_stmt* statement_ = nullptr;
+  std::int64_t first_ = 0;
+};
+
+class Database {
+ public:
+  explicit Database(const std::string& file) {
+    CHECK(sqlite3_open(file.c_str(), &database_) == SQLITE_OK);
+    for (const char* setting :
+         {"PRAGMA journal_mode = WAL", "PRAGMA synchronous = FULL", "PRAGMA cache_size = -16384",
+          "PRAGMA wal_autocheckpoint = 16000"}) {
+      Run(setting);  // as the store's
+    }
+  }
+  ~Database() { sqlite3_close(database_); }
+  Database(const Database&) = delete;
+  Database& operator=(const Database&) = delete;
+
+  sqlite3* get() const { return database_; }
   void Run(const char* statement) {
     const int result = sqlite3_exec(database_, statement, nullptr, nullptr, nullptr);
     CHECK(result == SQLITE_OK, "{}: {}", statement, sqlite3_errmsg(database_));
   }
-  sqlite3_stmt* Prepare(const char* text) {
-    sqlite3_stmt* statement = nullptr;
-    sqlite3_prepare_v2(database_, text, -1, &statement, nullptr);
-    CHECK(statement != nullptr, "{}", sqlite3_errmsg(database_));
-    return statement;
+
+ private:
+  sqlite3* database_ = nullptr;
+};
+
+class RowStore final : public RawStore {
+ public:
+  explicit RowStore(const std::string& file) : database_(file) {
+    database_.Run(
+        "CREATE TABLE anchors (n INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude REAL, longitude "
+        "REAL, record BLOB)");
+    database_.Run("CREATE UNIQUE INDEX by_id ON anchors (room, id)");
+    database_.Run("CREATE INDEX by_place ON anchors (room, latitude, longitude)");
+    insert_.emplace(database_.get(), "INSERT INTO anchors VALUES (NULL, ?1, ?2, ?3, ?4, ?5)");
   }
 
-  std::mutex mutex_;
-  sqlite3* database_ = nullptr;  // guarded by mutex_, like the statements
-  sqlite3_stmt* insert_ = nullptr;
-  sqlite3_stmt* near_ = nullptr;
+  void Create(std::span<const content::AnchorRecord> records) override {
+    database_.Run("BEGIN IMMEDIATE");
+    for (const content::AnchorRecord& record : records) {
+      insert_->Run(record.room.text(), record.id.text(), record.place.latitude.degrees(),
+                   record.place.longitude.degrees(),
+                   content::internal::EncodeState({.record = record}));
+    }
+    database_.Run("COMMIT");
+  }
+
+ private:
+  Database database_;
+  std::optional<Statement> insert_;
+};
+
+class SameStore final : public RawStore {
+ public:
+  explicit SameStore(const std::string& file) : database_(file) {
+    for (const char* object :
+         {"CREATE TABLE anchors (revision INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude REAL, "
+          "longitude REAL, changed INTEGER, expires INTEGER, record BLOB)",
+          "CREATE UNIQUE INDEX by_id ON anchors (room, id)",
+          "CREATE INDEX by_place ON anchors (room, latitude, longitude)",
+          "CREATE INDEX by_change ON anchors (room, changed)",
+          "CREATE INDEX by_expiry ON anchors (expires) WHERE expires IS NOT NULL",
+          "CREATE TABLE changes (revision INTEGER PRIMARY KEY, room TEXT, id TEXT)",
+          "CREATE INDEX changes_by_room ON changes (room)",
+          "CREATE TABLE owned (room TEXT, owner TEXT, anchors INTEGER, bytes INTEGER, PRIMARY KEY "
+          "(room, owner)) WITHOUT ROWID"}) {
+      database_.Run(object);
+    }
+    latest_.emplace(database_.get(), "SELECT max(revision) FROM changes");
+    insert_.emplace(database_.get(),
+                    "INSERT INTO anchors VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT DO "
+                    "NOTHING RETURNING 1");
+    log_.emplace(database_.get(), "INSERT INTO changes VALUES (?1, ?2, ?3)");
+    own_.emplace(database_.get(),
+                 "INSERT INTO owned VALUES (?1, ?2, 1, ?3) ON CONFLICT DO UPDATE SET anchors = "
+                 "anchors + 1, bytes = bytes + excluded.bytes");
+  }
+
+  void Create(std::span<const content::AnchorRecord> records) override {
+    database_.Run("BEGIN IMMEDIATE");
+    latest_->Run();
+    std::int64_t revision = latest_->first();
+    for (const content::AnchorRecord& record : records) {
+      insert_->Run(++revision, record.room.text(), record.id.text(),
+                   record.place.latitude.degrees(), record.place.longitude.degrees(),
+                   record.changed_utc_ms, record.expires_utc_ms,
+                   content::internal::EncodeState({.record = record}));
+      CHECK(insert_->first() == 1, "the id is taken");
+      log_->Run(revision, record.room.text(), record.id.text());
+      own_->Run(record.room.text(), record.owner, std::ssize(record.payload));
+    }
+    database_.Run("COMMIT");
+  }
+
+ private:
+  Database database_;
+  std::optional<Statement> latest_, insert_, log_, own_;
 };
 
 }  // namespace
 
-std::unique_ptr<RawStore> OpenRawSqlite(const std::string& file) {
-  return std::make_unique<RawSqlite>(file);
+std::unique_ptr<RawStore> OpenRawSqlite(const std::string& file, Facts facts) {
+  if (facts == Facts::kRow) return std::make_unique<RowStore>(file);
+  return std::make_unique<SameStore>(file);
 }
 
 }  // namespace waymark::bench
