@@ -20,11 +20,12 @@
 
 namespace waymark::session {
 
-/// How the shown pose follows a new estimate: by a bounded rate, so that content never jumps.
+/// How the shown pose follows a new estimate: by a bounded rate, so that content never jumps. Until
+/// enough fixes agreed for the first time nobody relies on it, and it follows at once.
 struct CorrectionOptions {
-  double max_speed_mps = 0.5;                ///< > 0
-  Angle max_turn_per_s = Angle::Degrees(5);  ///< > 0
-  double max_offset_m = 5;  ///< beyond it the pose jumps: it was wrong by so much, > 0
+  double max_speed_mps = 0.1;                ///< unnoticed by who walks or looks around, > 0
+  Angle max_turn_per_s = Angle::Degrees(3);  ///< likewise, > 0
+  double max_offset_m = 2;  ///< beyond it the pose jumps: it was wrong by so much, > 0
 
   Result<void> Validate() const;
 };

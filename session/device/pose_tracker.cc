@@ -36,7 +36,9 @@ void PoseTracker::Correct(std::chrono::duration<double> elapsed) {
   const double turn_rad = AngleBetween(wanted.rotation(), shown.rotation()).radians();
   const double step_m = correction_.max_speed_mps * elapsed.count();
   const double step_rad = correction_.max_turn_per_s.radians() * elapsed.count();
-  if (offset_m > correction_.max_offset_m || (offset_m <= step_m && turn_rad <= step_rad)) {
+  const bool is_at_once = !was_fixed_ || offset_m > correction_.max_offset_m;
+  was_fixed_ = was_fixed_ || current_.state == localiser::AlignmentState::kFixed;
+  if (is_at_once || (offset_m <= step_m && turn_rad <= step_rad)) {
     shown_map_from_vo_ = current_.map_from_vo;
     return;
   }
@@ -64,6 +66,7 @@ void PoseTracker::Reset() {
   alignment_.ResetOdometry();
   current_ = {};
   shown_map_from_vo_.reset();
+  was_fixed_ = false;
 }
 
 bool PoseTracker::CarryTo(const Placements& placements) {

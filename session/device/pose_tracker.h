@@ -46,6 +46,7 @@ class PoseTracker {
   CorrectionOptions correction_;
   localiser::Alignment current_;
   std::optional<Transform<Map, Vo>> shown_map_from_vo_;
+  bool was_fixed_ = false;  ///< enough fixes agreed once, since the last reset
   std::optional<Transform<Vo, Device>> vo_from_device_;
   DeviceTime time_;
 };

@@ -61,41 +61,85 @@ TEST(PoseTracker, AFixPlacesTheOdometryInTheMap) {
   EXPECT_FALSE(tracker.Pose(1).map_from_device);
 }
 
-// A first fix places the device at once; when a better estimate differs, the shown pose walks
-// there.
+/// A phone that stands still, and where its fixes say that it is.
+struct StandingPhone {
+  explicit StandingPhone(const CorrectionOptions& correction)
+      : tracker({.half_life = std::chrono::duration<double>(0.01)}, correction) {}
+
+  /// So many fixes that agree on x, turned about the vertical.
+  void Fix(int count, double x_m, double yaw_rad = 0) {
+    for (int i = 0; i < count; ++i) {
+      tracker.AddFix({.request = {},
+                      .time = DeviceTime{std::chrono::nanoseconds(time) + milliseconds(i)},
+                      .device_from_camera = {},
+                      .vo_from_device = {}},
+                     {.map_from_camera = {RotationFromVector({0, 0, yaw_rad}), {x_m, 0, 0}},
+                      .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
+                      .submap = SubmapId("s"),
+                      .submap_from_camera = {},
+                      .inliers = 50,
+                      .rms_px = 1});
+    }
+  }
+  /// Where it is shown a tenth of a second later.
+  Rigid3 Live() {
+    time += milliseconds(100);
+    tracker.PushOdometry({}, DeviceTime{time});
+    return tracker.Pose(1).map_from_device->rigid();
+  }
+
+  PoseTracker tracker;
+  std::chrono::nanoseconds time = seconds(1);
+};
+
+// When a better estimate differs from one that was agreed upon, the shown pose walks there.
 TEST(PoseTracker, CorrectionsNeverJump) {
-  constexpr double kStep_s = 0.1;
-  PoseTracker tracker({.half_life = std::chrono::duration<double>(0.01)}, {.max_speed_mps = 0.5});
-  const auto fix = [&](double time_s, double x) {
-    tracker.AddFix({.request = {},
-                    .time = DeviceTime{milliseconds(static_cast<int>(1e3 * time_s))},
-                    .device_from_camera = {},
-                    .vo_from_device = {}},
-                   {.map_from_camera = {Eigen::Quaterniond::Identity(), {x, 0, 0}},
-                    .covariance = Eigen::Matrix<double, 6, 6>::Identity() * 1e-4,
-                    .submap = SubmapId("s"),
-                    .submap_from_camera = {},
-                    .inliers = 50,
-                    .rms_px = 1});
-  };
-  double time_s = 1;
-  const auto live = [&] {
-    time_s += kStep_s;
-    tracker.PushOdometry({}, DeviceTime{milliseconds(static_cast<int>(1e3 * time_s + 0.5))});
-    return tracker.Pose(1).map_from_device->translation().x();
-  };
-  fix(1, 10);
-  double shown = live();
+  StandingPhone phone({.max_speed_mps = 0.5});
+  phone.Fix(4, 10);
+  double shown = phone.Live().translation().x();
   EXPECT_NEAR(shown, 10, 0.01);
-  for (int i = 0; i < 4; ++i) fix(time_s + 0.001 * i, 11);
-  const double before = tracker.Pose(1).covariance(0, 0);
+  phone.Fix(4, 11);
+  const double before = phone.tracker.Pose(1).covariance(0, 0);
   for (int i = 0; i < 40; ++i) {
-    const double next = live();
-    EXPECT_LE(std::abs(next - shown), 0.5 * kStep_s + 1e-9);
+    const double next = phone.Live().translation().x();
+    EXPECT_LE(std::abs(next - shown), 0.5 * 0.1 + 1e-9);
     shown = next;
   }
   EXPECT_NEAR(shown, 11, 0.05);
-  EXPECT_LT(tracker.Pose(1).covariance(0, 0), before) << "what was still to come was uncertainty";
+  EXPECT_LT(phone.tracker.Pose(1).covariance(0, 0), before)
+      << "what was still to come was uncertainty";
+}
+
+TEST(PoseTracker, ByDefaultContentWalksTenCentimetresAndTurnsThreeDegreesASecond) {
+  StandingPhone phone({});
+  phone.Fix(4, 10);
+  Rigid3 shown = phone.Live();
+  phone.Fix(4, 11, 0.2);
+  double walked_m = 0, turned_rad = 0;
+  for (int i = 0; i < 10; ++i) {
+    const Rigid3 next = phone.Live();
+    walked_m += (next.translation() - shown.translation()).norm();
+    turned_rad += AngleBetween(next.rotation(), shown.rotation()).radians();
+    shown = next;
+  }
+  EXPECT_LE(walked_m, 0.1 + 1e-9);
+  EXPECT_LE(turned_rad, Angle::Degrees(3).radians() + 1e-9);
+  EXPECT_GT(walked_m, 0.05) << "it does walk";
+}
+
+TEST(PoseTracker, JumpsWhileNothingWasEverAgreedUponAndWhenItWasWrongByMuch) {
+  StandingPhone phone({});
+  phone.Fix(1, 10);
+  EXPECT_NEAR(phone.Live().translation().x(), 10, 1e-6);
+  phone.Fix(4, 10.5);
+  EXPECT_NEAR(phone.Live().translation().x(), 10.5, 0.01) << "agreed upon for the first time";
+  phone.Fix(4, 11);
+  EXPECT_NEAR(phone.Live().translation().x(), 10.51, 0.01) << "walks from now on";
+  phone.Fix(4, 14);
+  EXPECT_NEAR(phone.Live().translation().x(), 14, 0.01) << "more than two metres";
+  phone.tracker.Reset();
+  phone.Fix(1, 20);
+  EXPECT_NEAR(phone.Live().translation().x(), 20, 1e-6) << "the odometry began anew";
 }
 
 TEST(PoseTracker, IsCarriedToAnotherReleaseAtOnceOrForgets) {
