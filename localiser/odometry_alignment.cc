@@ -37,16 +37,20 @@ Eigen::Matrix3d Information(const Eigen::Matrix3d& covariance, double sigma_floo
   return factor.solve(Eigen::Matrix3d::Identity());
 }
 
-internal::WeightedFix Weigh(const MapFix& fix, DeviceTime now, const AlignmentOptions& options) {
+internal::WeightedFix Weigh(const MapFix& fix, const MapFix& newest, DeviceTime now,
+                            const AlignmentOptions& options) {
   const double age_s = std::max(0.0, SecondsBetween(fix.time, now));
   const double halvings = std::min(kMaxHalvings, age_s / options.half_life.count());
+  const double drift_m =
+      options.drift_share *
+      (newest.vo_from_device.translation() - fix.vo_from_device.translation()).norm();
   return {
       .position_in_vo = fix.vo_from_device.translation(),
       .position_in_map = fix.map_from_device.translation(),
       .map_from_vo_rotation =
           fix.map_from_device.rotation() * fix.vo_from_device.rotation().conjugate(),
-      .position_information =
-          Information(fix.covariance.topLeftCorner<3, 3>(), options.sigma_floor_m),
+      .position_information = Information(fix.covariance.topLeftCorner<3, 3>(),
+                                          std::hypot(options.sigma_floor_m, drift_m)),
       .rotation_information = Information(fix.covariance.bottomRightCorner<3, 3>(),
                                           options.sigma_floor_angle.radians()),
       .weight = std::exp2(-halvings),
@@ -62,6 +66,10 @@ Result<void> AlignmentOptions::Validate() const {
                      name, value);
   };
   WAYMARK_TRY(positive("half_life", half_life.count()));
+  if (!std::isfinite(drift_share) || drift_share < 0) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "alignment options: expected drift_share >= 0, found {}", drift_share);
+  }
   WAYMARK_TRY(positive("huber_m", huber_m));
   WAYMARK_TRY(positive("max_disagreement_m", max_disagreement_m));
   WAYMARK_TRY(positive("stale_after", stale_after.count()));
@@ -121,7 +129,7 @@ Alignment OdometryAlignment::Estimate(DeviceTime now) const {
   if (fixes_.empty()) return {};
   std::vector<internal::WeightedFix> weighted;
   weighted.reserve(fixes_.size());
-  for (const MapFix& fix : fixes_) weighted.push_back(Weigh(fix, now, options_));
+  for (const MapFix& fix : fixes_) weighted.push_back(Weigh(fix, fixes_.back(), now, options_));
   const internal::Consensus consensus = internal::FindConsensus(weighted, options_);
 
   const auto supporting = static_cast<int>(consensus.supporters.size());

@@ -35,7 +35,9 @@ enum class AlignmentFreedom : std::uint8_t { kYawAndTranslation, kFull };
 
 struct AlignmentOptions {
   std::chrono::duration<double> half_life{20};  ///< a fix of this age counts half: cost (3)'s tau
-  double huber_m = 0.5;                         ///< residuals above count linearly
+  /// Of the way that odometry is off: a fix counts the less the farther the phone has come since.
+  double drift_share = 0.03;
+  double huber_m = 0.5;           ///< residuals above count linearly
   double max_disagreement_m = 2;  ///< a fix farther from the consensus is left out of it
   std::size_t max_fixes = 32;     ///< memory and time are O(1); the oldest goes first, [1, 1000]
   std::chrono::duration<double> stale_after{30};  ///< without a supporting fix for so long
@@ -66,9 +68,9 @@ struct Alignment {
 };
 
 /// Joins a phone's odometry to the map from its recent fixes: cost (3), 4 degrees of freedom (both
-/// frames know gravity), Huber loss, exponential decay by age, after a vote among the fixes that
-/// leaves gross errors out. Thread-compatible, no clock of its own.
-/// Source: Platinsky et al. 2020, eq. (3)-(4).
+/// frames know gravity), Huber loss, decay by age and by the way since, after a vote among the
+/// fixes that leaves gross errors out. Thread-compatible, no clock of its own. Source: Platinsky et
+/// al. 2020, eq. (3)-(4).
 class OdometryAlignment {
  public:
   explicit OdometryAlignment(const AlignmentOptions& options);

@@ -26,7 +26,9 @@ double HuberWeight(double residual, double threshold) {
 class Vote {
  public:
   Vote(std::span<const WeightedFix> fixes, const AlignmentOptions& options)
-      : fixes_(fixes), options_(options) {}
+      : fixes_(fixes),
+        per_square_metre_(1 / (options.max_disagreement_m * options.max_disagreement_m)),
+        min_cosine_(std::cos(options.max_disagreement_angle.radians() / 2)) {}
 
   bool Agrees(const WeightedFix& fix, const Rigid3& map_from_vo) const {
     return Disagreement(fix, map_from_vo) < 1;
@@ -54,15 +56,16 @@ class Vote {
   // Squared distance over its limit; 1 or more is a contradiction, also by rotation.
   double Disagreement(const WeightedFix& fix, const Rigid3& map_from_vo) const {
     const double distance = (fix.position_in_map - map_from_vo * fix.position_in_vo).squaredNorm();
-    const double share = distance / (options_.max_disagreement_m * options_.max_disagreement_m);
+    const double share = distance * per_square_metre_;
     if (share >= 1) return share;
     // |w| of the relative quaternion is cos(angle / 2).
     const double cosine = std::abs(map_from_vo.rotation().dot(fix.map_from_vo_rotation));
-    return cosine > std::cos(options_.max_disagreement_angle.radians() / 2) ? share : 1;
+    return cosine > min_cosine_ ? share : 1;
   }
 
   std::span<const WeightedFix> fixes_;
-  const AlignmentOptions& options_;
+  double per_square_metre_;
+  double min_cosine_;
 };
 
 Rigid3 HypothesisOfOne(const WeightedFix& fix, AlignmentFreedom freedom) {

@@ -64,6 +64,27 @@ TEST(OdometryAlignment, FollowsTheDriftThatOneRigidAlignmentCannot) {
   EXPECT_GT(rigid_error_m, 2 * decaying_error_m);
 }
 
+TEST(OdometryAlignment, WhoWalksTrustsWhatIsNewAndVotesDoNotFade) {
+  WalkNoise noise = kPhone;
+  noise.drift_share = 0.03;
+  noise.fix_sigma_m = 0.02;
+  SimulatedWalk walk(noise, 4);
+  OdometryAlignment fading({});
+  OdometryAlignment even({.drift_share = 0});
+  double fading_error_m = 0, even_error_m = 0;
+  for (int i = 0; i < 120; ++i) {
+    const MapFix fix = walk.Fix(i);
+    fading.AddFix(fix);
+    even.AddFix(fix);
+    if (i < 40) continue;
+    const Alignment answer = fading.Estimate(walk.Time(i));
+    EXPECT_EQ(answer.contradicting_fixes, even.Estimate(walk.Time(i)).contradicting_fixes);
+    fading_error_m += walk.PositionError(answer, i) / 80;
+    even_error_m += walk.PositionError(even.Estimate(walk.Time(i)), i) / 80;
+  }
+  EXPECT_LT(fading_error_m, 0.7 * even_error_m) << fading_error_m << " against " << even_error_m;
+}
+
 TEST(OdometryAlignment, GrossErrorsHaveNoSay) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     SimulatedWalk walk(kPhone, seed);

@@ -82,7 +82,8 @@ TEST(RecordedWalks, SlidingAlignmentBeatsTheBestSingleOneDespiteGrossErrors) {
   ASSERT_GT(phone.size(), 100u);
 
   OdometryAlignment sliding({});
-  OdometryAlignment single({.half_life = std::chrono::hours(100), .max_fixes = 1000});
+  OdometryAlignment single(
+      {.half_life = std::chrono::hours(100), .drift_share = 0, .max_fixes = 1000});
   for (const Sighting& s : phone) single.AddFix(FixFrom(s, map_from_tag.at(s.tag)));  // no errors
   const Alignment best_single = single.Estimate(single.fixes().back().time);
 
