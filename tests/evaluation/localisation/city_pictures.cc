@@ -96,11 +96,7 @@ Result<void> DrawMissing(const Setting& setting, const std::vector<TruePicture>&
 
 }  // namespace
 
-Result<std::vector<View>> PlanDrive(const simulator::CityOptions& city,
-                                    const simulator::CarOptions& car, std::uint64_t seed) {
-  const TangentPlane plane(simulator::SimulationOptions{}.origin);
-  WAYMARK_TRY_ASSIGN(const simulator::Recording recording,
-                     simulator::RecordDrive(PlanCity(city), plane, car, Random(seed)));
+std::vector<View> ViewsOf(const simulator::Recording& recording) {
   std::vector<View> views;
   for (const simulator::Shot& shot : recording.shots) {
     views.push_back({recording.cameras[shot.camera].model, recording.WorldFromCamera(shot)});
@@ -108,19 +104,38 @@ Result<std::vector<View>> PlanDrive(const simulator::CityOptions& city,
   return views;
 }
 
+Result<std::vector<View>> PlanDrive(const simulator::CityOptions& city,
+                                    const simulator::CarOptions& car, std::uint64_t seed) {
+  const TangentPlane plane(simulator::SimulationOptions{}.origin);
+  WAYMARK_TRY_ASSIGN(const simulator::Recording recording,
+                     simulator::RecordDrive(PlanCity(city), plane, car, Random(seed)));
+  return ViewsOf(recording);
+}
+
+Result<std::vector<simulator::Recording>> RecordWalks(const simulator::CityOptions& city,
+                                                      const simulator::CarOptions& car,
+                                                      const simulator::PhoneOptions& phone,
+                                                      int walkers, std::uint64_t seed) {
+  const TangentPlane plane(simulator::SimulationOptions{}.origin);
+  std::vector<simulator::Recording> recordings;
+  for (int i = 0; i < walkers; ++i) {
+    WAYMARK_TRY_ASSIGN(simulator::Recording recording,
+                       simulator::RecordWalk(PlanCity(city), plane, car, phone, i,
+                                             Random(seed).Fork(static_cast<unsigned>(i))));
+    recordings.push_back(std::move(recording));
+  }
+  return recordings;
+}
+
 Result<std::vector<View>> PlanWalks(const simulator::CityOptions& city,
                                     const simulator::CarOptions& car,
                                     const simulator::PhoneOptions& phone, int walkers,
                                     std::uint64_t seed) {
-  const TangentPlane plane(simulator::SimulationOptions{}.origin);
+  WAYMARK_TRY_ASSIGN(const auto recordings, RecordWalks(city, car, phone, walkers, seed));
   std::vector<View> views;
-  for (int i = 0; i < walkers; ++i) {
-    WAYMARK_TRY_ASSIGN(const simulator::Recording recording,
-                       simulator::RecordWalk(PlanCity(city), plane, car, phone, i,
-                                             Random(seed).Fork(static_cast<unsigned>(i))));
-    for (const simulator::Shot& shot : recording.shots) {
-      views.push_back({recording.cameras[shot.camera].model, recording.WorldFromCamera(shot)});
-    }
+  for (const simulator::Recording& recording : recordings) {
+    const std::vector<View> own = ViewsOf(recording);
+    views.insert(views.end(), own.begin(), own.end());
   }
   return views;
 }

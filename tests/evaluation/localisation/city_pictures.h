@@ -62,7 +62,14 @@ struct Workshop {
 /// Pictures that a car takes on the road around the first block.
 Result<std::vector<View>> PlanDrive(const simulator::CityOptions& city,
                                     const simulator::CarOptions& car, std::uint64_t seed);
-/// Keyframes of walkers' phones along the stretch of that drive, walker after walker.
+/// What walkers' phones record along the stretch of that drive.
+Result<std::vector<simulator::Recording>> RecordWalks(const simulator::CityOptions& city,
+                                                      const simulator::CarOptions& car,
+                                                      const simulator::PhoneOptions& phone,
+                                                      int walkers, std::uint64_t seed);
+/// Where its pictures are taken.
+std::vector<View> ViewsOf(const simulator::Recording& recording);
+/// Keyframes of such walks, walker after walker.
 Result<std::vector<View>> PlanWalks(const simulator::CityOptions& city,
                                     const simulator::CarOptions& car,
                                     const simulator::PhoneOptions& phone, int walkers,
