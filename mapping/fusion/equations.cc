@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "mapping/fusion/internal/conjugate_gradients.h"
+
 namespace waymark::mapping {
 namespace {
 
@@ -12,8 +14,26 @@ constexpr double kLeastStiffness = 1e-6;
 constexpr std::uint32_t kHeld = std::numeric_limits<std::uint32_t>::max();
 // Overlaps are linearised in batches whose equations stay in the cache until they are added up; a
 // thread takes a group of them at a time.
-constexpr std::size_t kBatch = 512;
-constexpr std::size_t kGroup = 64;
+constexpr std::size_t kBatch = 128;
+constexpr std::size_t kGroup = 16;
+// Weights change less and less, so that an earlier factor directs conjugate gradients well. Two of
+// their steps are a quarter of a factor's cost in a large map and lead far enough; where they leave
+// more than half of the way, the next step has a factor of its own.
+constexpr GradientsLimit kGradientsLimit{.accuracy = 0.1, .iterations = 2};
+constexpr double kFarEnough = 0.5;
+
+void Subtract(const OverlapEquations& b, OverlapEquations& a) {
+  a.first -= b.first;
+  a.second -= b.second;
+  a.gradient_first -= b.gradient_first;
+  a.gradient_second -= b.gradient_second;
+  a.cost -= b.cost;
+}
+
+bool IsSame(const Place& a, const Place& b) {
+  return a.centroid_in_map == b.centroid_in_map && a.log_scale == b.log_scale &&
+         a.rotation.coeffs() == b.rotation.coeffs();
+}
 
 }  // namespace
 
@@ -25,19 +45,18 @@ Equations::Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
     unknown_of_[i] = static_cast<std::uint32_t>(free_.size());
     free_.push_back(i);
   }
-  std::vector<BlockEdge> edges;
   for (const OverlapTerm& term : terms.overlaps) {
     const BlockEdge edge{unknown_of_[term.first], unknown_of_[term.second]};
     if (edge.first == kHeld && edge.second == kHeld) continue;
     overlaps_.push_back(&term);
-    if (edge.first != kHeld && edge.second != kHeld) edges.push_back(edge);
+    if (edge.first != kHeld && edge.second != kHeld) edges_.push_back(edge);
   }
   matrix_.diagonal.resize(free_.size());
-  matrix_.off_diagonal.resize(edges.size());
+  matrix_.off_diagonal.resize(edges_.size());
   gradient_.resize(free_.size());
   std::vector<Eigen::Vector2d> positions;
   for (const std::uint32_t i : free_) positions.push_back(places[i].centroid_in_map.head<2>());
-  cholesky_.emplace(ChooseEliminationOrder(positions, edges), edges);
+  cholesky_.emplace(ChooseEliminationOrder(positions, edges_), edges_);
 }
 
 double Equations::Linearise(const std::vector<Place>& places, OverlapLoss loss) {
@@ -67,6 +86,41 @@ double Equations::Linearise(const std::vector<Place>& places, OverlapLoss loss) 
   return cost;
 }
 
+double Equations::FollowSubmap(std::uint32_t unknown, const Place& before, const Place& after) {
+  const SubmapTerm& term = terms_.submaps[free_[unknown]];
+  Block was = Block::Zero();
+  BlockVector gradient_was = BlockVector::Zero();
+  const double cost_was = AddSubmapTerm(term, before, options_, was, gradient_was);
+  matrix_.diagonal[unknown] -= was;
+  gradient_[unknown] -= gradient_was;
+  return AddSubmapTerm(term, after, options_, matrix_.diagonal[unknown], gradient_[unknown]) -
+         cost_was;
+}
+
+double Equations::Follow(const std::vector<Place>& before, const std::vector<Place>& after,
+                         OverlapLoss loss) {
+  double growth = 0;
+  std::vector<bool> has_moved(before.size());
+  for (std::size_t i = 0; i < before.size(); ++i) has_moved[i] = !IsSame(before[i], after[i]);
+  for (std::uint32_t u = 0; u < free_.size(); ++u) {
+    if (has_moved[free_[u]]) growth += FollowSubmap(u, before[free_[u]], after[free_[u]]);
+  }
+  std::size_t edge = 0;
+  OverlapEquations now, was;
+  for (const OverlapTerm* term : overlaps_) {
+    if (!has_moved[term->first] && !has_moved[term->second]) {
+      edge += unknown_of_[term->first] != kHeld && unknown_of_[term->second] != kHeld;
+      continue;
+    }
+    mapping::Linearise(*term, before[term->first], before[term->second], loss, options_, was);
+    mapping::Linearise(*term, after[term->first], after[term->second], loss, options_, now);
+    Subtract(was, now);
+    growth += now.cost;
+    edge += AddOverlap(*term, now, edge);
+  }
+  return growth;
+}
+
 std::size_t Equations::AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
                                   std::size_t edge) {
   const std::uint32_t first = unknown_of_[term.first];
@@ -85,8 +139,19 @@ std::size_t Equations::AddOverlap(const OverlapTerm& term, const OverlapEquation
 }
 
 std::optional<std::vector<BlockVector>> Equations::FindStep(double damping) {
-  if (!cholesky_->Factor(matrix_, damping, kLeastStiffness)) return std::nullopt;
-  std::vector<BlockVector> step = cholesky_->Solve(gradient_);
+  std::vector<BlockVector> step;
+  if (factored_with_ == damping) {
+    const DampedMatrix damped{matrix_, edges_, damping, kLeastStiffness};
+    GradientsSolution solution = SolveByGradients(damped, gradient_, *cholesky_, kGradientsLimit);
+    if (!(solution.accuracy < kFarEnough)) factored_with_.reset();
+    if (solution.accuracy < 1) step = std::move(solution.x);
+  }
+  if (step.empty()) {
+    factored_with_.reset();
+    if (!cholesky_->Factor(matrix_, damping, kLeastStiffness)) return std::nullopt;
+    factored_with_ = damping;
+    step = cholesky_->Solve(gradient_);
+  }
   for (BlockVector& of_submap : step) of_submap = -of_submap;
   return step;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "mapping/fusion/internal/evidence.h"
+#include "mapping/fusion/internal/hypotheses.h"
 
 namespace waymark::mapping {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 // The first round only leads into the second's minimum: what is left to move after these steps are
 // submaps that hang by wrong overlaps. A number of steps, as that is the same for a small map and
 // for the same streets in a large one.
-constexpr StopAt kHuberStop{.tolerance_m = 1e-3, .steps = 8};
+constexpr StopAt kHuberStop{.tolerance_m = 1e-3, .steps = 8, .parts_count_fully = true};
 // Far below what UpdateFusion may differ by.
 constexpr double kCauchyToleranceM = 2e-6;
 
@@ -62,23 +63,24 @@ Result<Fusing> BeginFusing(std::span<const FusionSubmap> submaps, const FusionOp
   return fusing;
 }
 
-Result<void> SolveRound(OverlapLoss loss, const std::vector<bool>& is_free,
-                        const FusionOptions& options, Fusing& fusing) {
+Result<void> SolveRound(OverlapLoss loss, const FusionOptions& options, FusionSolver& solver,
+                        Fusing& fusing) {
   const StopAt stop = loss == OverlapLoss::kHuber
                           ? kHuberStop
                           : StopAt{.tolerance_m = kCauchyToleranceM,
                                    .steps = static_cast<double>(options.max_iterations)};
-  WAYMARK_TRY_ASSIGN(const SolverSummary summary,
-                     SolveFusion(fusing.terms, loss, stop, is_free, options, fusing.places));
+  WAYMARK_TRY_ASSIGN(const SolverSummary summary, solver.Solve(loss, stop));
   fusing.fusion.iterations += static_cast<int>(std::ceil(summary.steps));
   fusing.fusion.converged = summary.converged;
   return {};
 }
 
 Result<void> SolveAll(const FusionOptions& options, Fusing& fusing) {
-  WAYMARK_TRY(SolveRound(OverlapLoss::kHuber, fusing.is_movable, options, fusing));
+  FusionSolver solver(fusing.terms, fusing.is_movable, options, fusing.places);
+  WAYMARK_TRY(SolveRound(OverlapLoss::kHuber, options, solver, fusing));
   EstimateSpreads(fusing.places, options, fusing.terms);
-  return SolveRound(OverlapLoss::kCauchy, fusing.is_movable, options, fusing);
+  TryOverlaps(fusing.terms, fusing.is_movable, options, fusing.places);
+  return SolveRound(OverlapLoss::kCauchy, options, solver, fusing);
 }
 
 Fusion FinishFusing(const FusionOptions& options, Fusing fusing) {

@@ -44,19 +44,26 @@ double MeasureSpread(const OverlapTerm& term, const FusionOptions& options, cons
   return std::sqrt(Median(std::move(squares)) / 6);
 }
 
+/// How the two submaps stand to each other by their images alone.
+struct Pairing {
+  double spread;
+  Place second;  ///< while the first stays
+};
+
 /// Huber first; when that is not the end of it, Cauchy ever narrower, so that wrong images let go,
 /// and the least spread on the way.
-double EstimateSpread(OverlapTerm term, const Place& first, Place second,
-                      const FusionOptions& options) {
+Pairing PairUp(OverlapTerm term, const Place& first, Place second, const FusionOptions& options) {
   Align(term, OverlapLoss::kHuber, options, first, second);
-  double least = MeasureSpread(term, options, first, second);
+  Pairing best{MeasureSpread(term, options, first, second), second};
   for (const double spread : {8, 4, 2, 1}) {
-    if (least <= 1) break;
+    if (best.spread <= 1) break;
     term.spread = spread;
     Align(term, OverlapLoss::kCauchy, options, first, second);
-    least = std::min(least, MeasureSpread(term, options, first, second));
+    const double found = MeasureSpread(term, options, first, second);
+    if (found < best.spread) best = {found, second};
   }
-  return std::clamp(least, 1.0, kMaxSpread);
+  best.spread = std::clamp(best.spread, 1.0, kMaxSpread);
+  return best;
 }
 
 }  // namespace
@@ -65,7 +72,14 @@ void EstimateSpreads(const std::vector<Place>& places, const FusionOptions& opti
                      FusionTerms& terms) {
   ParallelFor(terms.overlaps.size(), options.parallelism, [&](std::size_t k) {
     OverlapTerm& term = terms.overlaps[k];
-    term.spread = EstimateSpread(term, places[term.first], places[term.second], options);
+    const Place& first = places[term.first];
+    const Pairing pairing = PairUp(term, first, places[term.second], options);
+    term.spread = pairing.spread;
+    const auto centroid = [&](std::uint32_t submap) {
+      return terms.submaps[submap].centroid_in_submap;
+    };
+    term.first_from_second =
+        first.ToSim3(centroid(term.first)).Inverse() * pairing.second.ToSim3(centroid(term.second));
   });
 }
 

@@ -4,6 +4,7 @@
 
 #include "mapping/fusion/fusion.h"
 #include "mapping/fusion/internal/fusing.h"
+#include "mapping/fusion/internal/hypotheses.h"
 
 namespace waymark::mapping {
 namespace {
@@ -32,10 +33,12 @@ class ChangedPart {
   /// As for the whole map the first time, so that it leads into the same minimum; after that it is
   /// near.
   Result<void> Solve() {
+    FusionSolver solver(fusing_.terms, is_in_, options_, fusing_.places);
     if (!std::exchange(was_solved_, true)) {
-      WAYMARK_TRY(SolveRound(OverlapLoss::kHuber, is_in_, options_, fusing_));
+      WAYMARK_TRY(SolveRound(OverlapLoss::kHuber, options_, solver, fusing_));
+      TryOverlaps(fusing_.terms, is_in_, options_, fusing_.places);
     }
-    return SolveRound(OverlapLoss::kCauchy, is_in_, options_, fusing_);
+    return SolveRound(OverlapLoss::kCauchy, options_, solver, fusing_);
   }
 
   /// Takes in who would move if all were solved together, and who overlaps them. False: nobody.

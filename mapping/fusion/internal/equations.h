@@ -22,6 +22,14 @@ class Equations {
   /// Sets up the equations at these places; returns the cost of all terms that a free submap is in.
   double Linearise(const std::vector<Place>& places, OverlapLoss loss);
 
+  /// What was found out about earlier equations says nothing about those to come.
+  void Forget() { factored_with_.reset(); }
+
+  /// The same after some submaps have moved: only what they are in is looked at again.
+  /// Returns by how much the cost has grown.
+  double Follow(const std::vector<Place>& before, const std::vector<Place>& after,
+                OverlapLoss loss);
+
   /// The step, by unknown, to where the equations expect the least cost; nothing when they are not
   /// positive definite. A higher damping makes it shorter.
   std::optional<std::vector<BlockVector>> FindStep(double damping);
@@ -30,6 +38,7 @@ class Equations {
   /// Returns how many off-diagonal blocks the overlap has filled, 0 or 1.
   std::size_t AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
                          std::size_t edge);
+  double FollowSubmap(std::uint32_t unknown, const Place& before, const Place& after);
 
   const FusionTerms& terms_;
   const FusionOptions& options_;
@@ -39,7 +48,9 @@ class Equations {
   std::vector<OverlapEquations> of_overlap_;  // of a batch
   BlockMatrix matrix_;
   std::vector<BlockVector> gradient_;
+  std::vector<BlockEdge> edges_;  // by off-diagonal block
   std::optional<BlockCholesky> cholesky_;
+  std::optional<double> factored_with_;  // damping
 };
 
 }  // namespace waymark::mapping

@@ -20,9 +20,9 @@ struct Fusing {
 /// Checks the input, finds overlaps and first guesses. Not for no submaps at all.
 Result<Fusing> BeginFusing(std::span<const FusionSubmap> submaps, const FusionOptions& options);
 
-/// One round for some submaps while the others are held.
-Result<void> SolveRound(OverlapLoss loss, const std::vector<bool>& is_free,
-                        const FusionOptions& options, Fusing& fusing);
+/// One round for the solver's submaps while the others are held.
+Result<void> SolveRound(OverlapLoss loss, const FusionOptions& options, FusionSolver& solver,
+                        Fusing& fusing);
 
 /// Both rounds for all submaps.
 Result<void> SolveAll(const FusionOptions& options, Fusing& fusing);

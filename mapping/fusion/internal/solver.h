@@ -3,13 +3,16 @@
 
 #include <vector>
 
+#include "mapping/fusion/internal/descent.h"
 #include "mapping/fusion/internal/terms.h"
 
 namespace waymark::mapping {
 
 struct StopAt {
   double tolerance_m;  ///< no image moves by more
-  double steps;        ///< of all free submaps; a step of some counts for their share
+  double steps;        ///< of all free submaps
+  bool parts_count_fully =
+      false;  ///< a step of some counts as one; otherwise it counts for their share
 };
 
 struct SolverSummary {
@@ -18,12 +21,30 @@ struct SolverSummary {
 };
 
 /// Moves the free submaps to where the cost is least and holds all others: Gauss-Newton on
-/// reweighted least squares, damped when a step does not lower the cost.
+/// reweighted least squares, damped when a step does not lower the cost. Borrows everything; the
+/// terms' spreads may change between two rounds.
 /// Shapes: is_free and places are by submap; a submap without a place is not free.
-/// Errors: Unavailable when the cost is not a number.
-Result<SolverSummary> SolveFusion(const FusionTerms& terms, OverlapLoss loss, const StopAt& stop,
-                                  const std::vector<bool>& is_free, const FusionOptions& options,
-                                  std::vector<Place>& places);
+class FusionSolver {
+ public:
+  FusionSolver(const FusionTerms& terms, const std::vector<bool>& is_free,
+               const FusionOptions& options, std::vector<Place>& places);
+
+  /// One round. Errors: Unavailable when the cost is not a number.
+  Result<SolverSummary> Solve(OverlapLoss loss, const StopAt& stop);
+
+ private:
+  Result<bool> Settle(Descent& descent, double motion_m);
+  Result<void> SettleFarthest(Descent& descent, double motion_m);
+
+  const FusionTerms& terms_;
+  const std::vector<bool>& is_free_;
+  const FusionOptions& options_;
+  std::vector<Place>& places_;
+  Descent whole_;
+  OverlapLoss loss_ = OverlapLoss::kHuber;
+  StopAt stop_{};
+  SolverSummary summary_;
+};
 
 /// How far the next step of all free submaps together would move each (its images at most); zero
 /// for the others.

@@ -48,7 +48,8 @@ struct OverlapTerm {
   std::uint32_t first;
   std::uint32_t second;
   std::vector<CommonImage> images;
-  double spread = 1;  ///< expected size of a residual, in sigmas
+  double spread = 1;            ///< expected size of a residual, in sigmas
+  Sim3 first_from_second = {};  ///< as its images say; once the spread is estimated
 };
 
 /// What a submap adds on its own account: GNSS, gravity, scale. Source: eq. (2), second sum.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 
 #include "tests/mapping/fusion/city.h"
 #include "tests/mapping/fusion/street.h"
@@ -78,6 +79,40 @@ TEST(RobustFusion, AWhollyWrongOverlapIsLetGoOf) {
                   .norm(),
               0.01);
   }
+}
+
+/// Images that a submap shares with one neighbour are seen from it elsewhere.
+void SpoilOverlap(std::size_t submap, std::size_t neighbour, const Rigid3& wrong, City& city) {
+  std::set<std::uint64_t> shared;
+  for (const FusionImage& image : city.submaps[neighbour].images) shared.insert(image.image);
+  for (FusionImage& image : city.submaps[submap].images) {
+    if (!shared.contains(image.image)) continue;
+    image.submap_from_camera = Transform<Submap, Camera>(wrong * image.submap_from_camera.rigid());
+  }
+}
+
+/// Two wrong overlaps pull it to where neither they nor the three right ones are satisfied.
+TEST(RobustFusion, ASubmapBetweenRightAndWrongOverlapsFindsTheRightOnes) {
+  const CityOptions options{.submaps = 80, .gnss_noise_m = 0.5};
+  const City right = MakeCity(options);
+  std::vector<std::vector<std::size_t>> neighbours(right.submaps.size());
+  for (const auto& [a, b] : CityOverlaps(CityCentres(options.submaps))) {
+    neighbours[a].push_back(b);
+    neighbours[b].push_back(a);
+  }
+  std::mt19937_64 random(2);
+  int tried = 0;
+  for (std::size_t s = 0; s < right.submaps.size() && tried < 12; ++s) {
+    if (neighbours[s].size() != 5) continue;
+    City city = right;
+    const Rigid3 wrong(RotationFromVector(Gaussian3(random, 0.2)), Gaussian3(random, 6));
+    SpoilOverlap(s, neighbours[s][0], wrong, city);
+    SpoilOverlap(s, neighbours[s][1],
+                 Rigid3(wrong.rotation(), wrong.translation() + Gaussian3(random, 1)), city);
+    EXPECT_LT(MeasureCentres(city, *FuseSubmaps(city.submaps, {})).second, 0.5) << "submap " << s;
+    ++tried;
+  }
+  EXPECT_EQ(tried, 12);
 }
 
 TEST(RobustFusion, GnssOutliersDoNotPull) {

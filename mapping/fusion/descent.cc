@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/fusion/internal/descent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace waymark::mapping {
+namespace {
+
+constexpr double kLeastDamping = 1e-3;  // once a step was too long
+
+}  // namespace
+
+double MotionOf(const BlockVector& step, const SubmapTerm& term, const Place& place) {
+  const double radius_m = std::exp(place.log_scale) * term.radius;
+  return step.head<3>().norm() + radius_m * (step.segment<3>(3).norm() + std::abs(step[6]));
+}
+
+Descent::Descent(const FusionTerms& terms, const std::vector<bool>& is_free,
+                 const FusionOptions& options, std::vector<Place>& places)
+    : terms_(terms), equations_(terms, is_free, places, options), places_(places) {}
+
+void Descent::Begin(OverlapLoss loss) {
+  loss_ = loss;
+  equations_.Forget();
+  cost_ = equations_.Linearise(places_, loss_);
+  damping_ = 0;
+  longest_motion_m_ = std::numeric_limits<double>::infinity();
+}
+
+void Descent::Follow(const std::vector<Place>& before) {
+  cost_ += equations_.Follow(before, places_, loss_);
+}
+
+void Descent::TryStep(double tolerance_m) {
+  const auto step = equations_.FindStep(damping_);
+  if (!step) return Damp();
+  std::vector<Place> moved = places_;
+  motions_m_.assign(step->size(), 0);
+  for (std::size_t u = 0; u < step->size(); ++u) {
+    const std::uint32_t i = equations_.free()[u];
+    motions_m_[u] = MotionOf((*step)[u], terms_.submaps[i], places_[i]);
+    moved[i].Move((*step)[u]);
+  }
+  const double longest_m = *std::max_element(motions_m_.begin(), motions_m_.end());
+  const double cost = equations_.Linearise(moved, loss_);
+  if (cost <= cost_ || longest_m < tolerance_m) {  // below it the cost is level, but for rounding
+    places_ = std::move(moved);
+    cost_ = cost;
+    // A damped step is short for another reason than that it is over.
+    longest_motion_m_ = damping_ > kLeastDamping ? std::max(longest_m, tolerance_m) : longest_m;
+    damping_ = damping_ > kLeastDamping ? damping_ / 10 : 0;
+  } else {
+    equations_.Linearise(places_, loss_);
+    Damp();
+  }
+}
+
+std::vector<bool> Descent::FindMoving(double motion_m) const {
+  std::vector<bool> is_moving(places_.size(), false);
+  for (std::size_t u = 0; u < motions_m_.size(); ++u) {
+    if (motions_m_[u] >= motion_m) is_moving[equations_.free()[u]] = true;
+  }
+  return is_moving;
+}
+
+void Descent::Damp() {
+  damping_ = std::max(kLeastDamping, 10 * damping_);
+  longest_motion_m_ = std::numeric_limits<double>::infinity();
+}
+
+}  // namespace waymark::mapping
