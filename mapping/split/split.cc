@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mapping/split/internal/cores.h"
+#include "mapping/split/internal/outliers.h"
 #include "mapping/split/internal/sampling.h"
 
 namespace waymark::mapping {
@@ -216,11 +217,11 @@ Result<Split> SplitExperience(std::span<const SplitImage> images,
   if (images.empty()) {
     return MakeError(ErrorCode::kInvalidArgument, "nothing to split: the experience has no images");
   }
-  const auto placed = std::count_if(images.begin(), images.end(), [](const SplitImage& image) {
-    return image.position.has_value();
-  });
-  return placed < 3 ? SplitBySequence(images, foreign, options)
-                    : SplitByPosition(images, foreign, options);
+  const std::vector<SplitImage> plausible = WithoutOutliers(images);
+  const auto placed = std::ranges::count_if(
+      plausible, [](const SplitImage& image) { return image.position.has_value(); });
+  return placed < 3 ? SplitBySequence(plausible, foreign, options)
+                    : SplitByPosition(plausible, foreign, options);
 }
 
 }  // namespace waymark::mapping

@@ -59,7 +59,9 @@ struct Split {
 /// Groups the images of one experience into overlapping circles by a greedy line sweep along the
 /// longest extent of its positions: the first image not yet owned grows a core; the subset is the
 /// core's smallest circle, widened by half the overlap. Each image is owned by one subset or
-/// thinned out. Fewer than 3 positions: windows of the sequence instead of circles. Deterministic.
+/// thinned out. Positions that nothing can have reached count as absent; images without one go
+/// where those nearest in time are. Fewer than 3 positions: windows of the sequence instead of
+/// circles. Deterministic.
 /// Errors: InvalidArgument (options, no image).
 /// Source: Platinsky et al. 2020, step 1.
 Result<Split> SplitExperience(std::span<const SplitImage> images,
