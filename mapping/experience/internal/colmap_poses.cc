@@ -37,7 +37,8 @@ Result<void> ReadCameras(ColmapSource& source, ColmapPoses& poses) {
       WAYMARK_TRY_ASSIGN(parameter, source.Number("a camera's parameters"));
     }
     constexpr std::int64_t kMaxSide = 1 << 20;
-    const bool is_in_range = id >= 0 && id <= UINT32_MAX && width <= kMaxSide && height <= kMaxSide;
+    const bool is_in_range = id >= 0 && id <= UINT32_MAX && width >= 0 && width <= kMaxSide &&
+                             height >= 0 && height <= kMaxSide;
     const auto camera =
         is_in_range
             ? CameraModel::Create(kind, static_cast<int>(width), static_cast<int>(height), used)
