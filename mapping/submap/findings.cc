@@ -76,6 +76,25 @@ std::optional<double> FindExcessTurn(const Reconstruction& reconstruction,
   return std::nullopt;
 }
 
+/// Where the road is known, it tells drifts of the scale from drifts of GNSS.
+void JudgeScale(const GnssShape& pass, const VerificationOptions& options, Findings& findings) {
+  const auto bound = [&](const Bending& bending) {
+    return options.max_shape_error_m + options.max_shape_sigmas * bending.sigma_m;
+  };
+  const auto add = [&](const Bending& bending, Tally& tally) {
+    tally.Add(bending.metres, bound(bending));
+  };
+  if (!pass.scale_by_road) return add(pass.scale, findings.scale_drift);
+  add(*pass.scale_by_road, findings.road_drift);
+  const bool gnss_denies = pass.scale.metres > bound(pass.scale);
+  const bool road_agrees = pass.scale_by_road->metres <= bound(*pass.scale_by_road);
+  if (gnss_denies && road_agrees && pass.scale.metres > bound(*pass.scale_by_road)) {
+    add(pass.scale, findings.gnss_lie);
+  } else {
+    add(*pass.scale_by_both, findings.scale_drift);
+  }
+}
+
 void JudgeShapes(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
                  std::span<const RotationDrift> drifts, const VerificationOptions& options,
                  Findings& findings) {
@@ -83,11 +102,11 @@ void JudgeShapes(const Reconstruction& reconstruction, std::span<const Verificat
     tally.Add(bending.metres,
               options.max_shape_error_m + options.max_shape_sigmas * bending.sigma_m);
   };
-  for (const GnssShape& pass : MeasureGnssShape(reconstruction, images)) {
+  for (const GnssShape& pass : MeasureGnssShape(reconstruction, images, findings.is_vehicle)) {
     // Either GNSS or the images left the path at once; the images' motion tells which.
     const bool is_smooth = findings.acceleration.broken == 0;
     (is_smooth ? findings.gnss_lie : findings.bend).Add(pass.largest_jump_m, pass.jump_bound_m);
-    add(pass.scale, findings.scale_drift);
+    JudgeScale(pass, options, findings);
     const auto excess = FindExcessTurn(reconstruction, drifts, pass);
     if (!excess) {
       add(pass.bend, findings.bend);
@@ -171,6 +190,7 @@ std::vector<VerificationFigure> ListFigures(const Reconstruction& reconstruction
   add_tally("curvature_per_m", found.curvature);
   add_tally("yaw_rate_rad_per_s", found.yaw_rate);
   add_tally("scale_drift_m", found.scale_drift);
+  add_tally("scale_drift_by_road_m", found.road_drift);
   add_tally("bend_m", found.bend);
   add_tally("gnss_lie_m", found.gnss_lie);
   if (!found.gnss_m.empty()) {

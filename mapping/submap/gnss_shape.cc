@@ -8,54 +8,13 @@
 #include <optional>
 
 #include "mapping/base/median.h"
+#include "mapping/submap/internal/passes.h"
+#include "mapping/submap/internal/road.h"
 
 namespace waymark::mapping::internal {
 namespace {
 
-constexpr double kMaxGapS = 5;
-constexpr double kMinPathM = 20;
-constexpr double kMinSeconds = 4;
-constexpr std::size_t kMinPlaces = 6;
 constexpr double kLeastNoiseM = 0.1;
-
-/// A reconstructed position with what GNSS says.
-struct Place {
-  std::uint32_t image;
-  double seconds;
-  Eigen::Vector2d path;
-  Eigen::Vector2d gnss;
-  double along_m = 0;  ///< since the pass began
-};
-using Pass = std::vector<Place>;
-
-std::vector<Pass> CollectPasses(const Reconstruction& reconstruction,
-                                std::span<const VerificationImage> images) {
-  std::vector<Pass> passes;
-  for (const auto& members : SortSequences(reconstruction, images)) {
-    Pass pass;
-    for (const std::uint32_t i : members) {
-      if (!images[i].gnss_in_submap) continue;
-      Place place{i, Seconds(images[i].time - images[members.front()].time),
-                  reconstruction.images[i].submap_from_camera->translation().head<2>(),
-                  images[i].gnss_in_submap->coordinates().head<2>()};
-      if (!pass.empty()) {
-        const double gap_s = place.seconds - pass.back().seconds;
-        if (gap_s <= 0) continue;
-        if (gap_s > kMaxGapS) passes.push_back(std::exchange(pass, {}));
-      }
-      if (!pass.empty()) {
-        place.along_m = pass.back().along_m + (place.path - pass.back().path).norm();
-      }
-      pass.push_back(place);
-    }
-    passes.push_back(std::move(pass));
-  }
-  std::erase_if(passes, [](const Pass& pass) {
-    return pass.size() < kMinPlaces || pass.back().along_m < kMinPathM ||
-           pass.back().seconds - pass.front().seconds < kMinSeconds;
-  });
-  return passes;
-}
 
 Eigen::Vector2d TurnLeft(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
@@ -82,12 +41,12 @@ using Column10 = Eigen::Matrix<double, kColumns, 1>;
 Rows MakeRows(const Pass& pass, std::size_t step_at) {
   Rows rows = Rows::Zero(2 * static_cast<Eigen::Index>(pass.size()), kColumns);
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-  for (const Place& place : pass) centre += place.path / static_cast<double>(pass.size());
+  for (const PassPlace& place : pass) centre += place.path / static_cast<double>(pass.size());
   Eigen::Vector2d drift1 = Eigen::Vector2d::Zero();
   Eigen::Vector2d drift2 = Eigen::Vector2d::Zero();
   for (std::size_t k = 0; k < pass.size(); ++k) {
     if (k > 0) {
-      const double along = (pass[k].along_m + pass[k - 1].along_m) / pass.back().along_m - 1;
+      const double along = Along(pass, (pass[k].along_m + pass[k - 1].along_m) / 2);
       const Eigen::Vector2d moved = pass[k].path - pass[k - 1].path;
       drift1 += along * moved;
       drift2 += (along * along - 1.0 / 3) * moved;
@@ -139,9 +98,27 @@ Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off) {
   return fit;
 }
 
+/// What is known of some columns' values.
+struct Known {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd covariance;
+};
+
+/// By GNSS; `spread` is how many times less sure it is than independent positions would be.
+Known SelectColumns(const Fit& fit, const std::vector<int>& columns, double spread) {
+  const double sigma_m = fit.noise_m * spread;
+  return {fit.values(columns), sigma_m * sigma_m * fit.covariance(columns, columns)};
+}
+
+/// By both, which are independent.
+Known Join(const Known& a, const Known& b) {
+  const Eigen::MatrixXd by_a = a.covariance.inverse(), by_b = b.covariance.inverse();
+  const Eigen::MatrixXd covariance = (by_a + by_b).inverse();
+  return {covariance * (by_a * a.values + by_b * b.values), covariance};
+}
+
 /// The largest displacement by some columns that no similarity can make good.
-Bending MeasureBending(const Rows& rows, const Fit& fit, std::initializer_list<Column> columns,
-                       double spread) {
+Bending MeasureBending(const Rows& rows, const std::vector<int>& columns, const Known& known) {
   const auto rigid = rows.leftCols<kRigid>();
   const auto solver =
       Eigen::Matrix<double, kRigid, kRigid>(
@@ -156,13 +133,14 @@ Bending MeasureBending(const Rows& rows, const Fit& fit, std::initializer_list<C
     }
     return metres;
   };
-  for (const Column column : columns) {
-    const Eigen::VectorXd shape = rows.col(column);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const auto i = static_cast<Eigen::Index>(c);
+    const Eigen::VectorXd shape = rows.col(columns[c]);
     const Eigen::VectorXd rest = shape - rigid * solver.solve(rigid.transpose() * shape);
-    together += fit.values[column] * rest;
-    variance += fit.covariance(column, column) * std::pow(largest(rest), 2);
+    together += known.values[i] * rest;
+    variance += known.covariance(i, i) * std::pow(largest(rest), 2);
   }
-  return {largest(together), fit.noise_m * spread * std::sqrt(variance)};
+  return {largest(together), std::sqrt(variance)};
 }
 
 /// Where GNSS left the path by most within about a second, and by how much.
@@ -187,7 +165,15 @@ Jump FindJump(const Pass& pass) {
   return jump;
 }
 
-GnssShape Judge(const Pass& pass) {
+/// Where heights above the road grow, the path has to shrink.
+void AddRoad(const Rows& rows, const RoadHeights& road, const Known& by_gnss, GnssShape& shape) {
+  const std::vector<int> columns{kScale1, kScale2};
+  const Known by_road{-road.drift, road.covariance};
+  shape.scale_by_road = MeasureBending(rows, columns, by_road);
+  shape.scale_by_both = MeasureBending(rows, columns, Join(by_gnss, by_road));
+}
+
+GnssShape Judge(const Pass& pass, const std::optional<RoadHeights>& road) {
   const Jump jump = FindJump(pass);
   const bool has_jump = jump.metres > jump.bound;
   const Rows rows = MakeRows(pass, has_jump ? jump.at : pass.size());
@@ -202,9 +188,13 @@ GnssShape Judge(const Pass& pass) {
   // Positions between two fixes are not independent of each other: one a second is.
   const double independent = std::min(static_cast<double>(pass.size()), 1 + shape.seconds);
   const double spread = std::sqrt(static_cast<double>(pass.size()) / independent);
-  shape.scale = MeasureBending(rows, fit, {kScale1, kScale2}, spread);
-  shape.bend = MeasureBending(rows, fit, {kBend1}, spread);
-  shape.double_bend = MeasureBending(rows, fit, {kBend2}, spread);
+  const auto measure = [&](const std::vector<int>& columns) {
+    return MeasureBending(rows, columns, SelectColumns(fit, columns, spread));
+  };
+  shape.scale = measure({kScale1, kScale2});
+  if (road) AddRoad(rows, *road, SelectColumns(fit, {kScale1, kScale2}, spread), shape);
+  shape.bend = measure({kBend1});
+  shape.double_bend = measure({kBend2});
   // From one end to the other, the factor of the linear column goes from -1 to 1.
   shape.turn_rad_per_s = 2 * fit.values[kBend1] / shape.seconds;
   shape.largest_jump_m = jump.metres;
@@ -216,9 +206,12 @@ GnssShape Judge(const Pass& pass) {
 }  // namespace
 
 std::vector<GnssShape> MeasureGnssShape(const Reconstruction& reconstruction,
-                                        std::span<const VerificationImage> images) {
+                                        std::span<const VerificationImage> images, bool on_road) {
   std::vector<GnssShape> shapes;
-  for (const Pass& pass : CollectPasses(reconstruction, images)) shapes.push_back(Judge(pass));
+  for (const Pass& pass : CollectPasses(reconstruction, images)) {
+    shapes.push_back(
+        Judge(pass, on_road ? MeasureRoadHeights(reconstruction, pass) : std::nullopt));
+  }
   return shapes;
 }
 

@@ -62,8 +62,9 @@ std::optional<std::string> FindMetricFault(const Findings& found,
   }
   if (auto fault = FindMotionFault(found, options)) return fault;
   if (found.scale_drift.broken > 0) {
-    return fmt::format("its scale drifts against GNSS, by up to {:.2f} m (bound {:.2f} m)",
-                       found.scale_drift.worst, found.scale_drift.bound);
+    return fmt::format("its scale drifts against GNSS{}, by up to {:.2f} m (bound {:.2f} m)",
+                       found.road_drift.count > 0 ? " and the road" : "", found.scale_drift.worst,
+                       found.scale_drift.bound);
   }
   if (found.bend.broken > 0) {
     return fmt::format("is bent against GNSS, by up to {:.2f} m (bound {:.2f} m)", found.bend.worst,

@@ -39,7 +39,8 @@ struct Findings {
   Tally sideways;
   Tally curvature;
   Tally yaw_rate;
-  Tally scale_drift;  ///< against GNSS
+  Tally scale_drift;  ///< against GNSS and, where it is known, the road
+  Tally road_drift;   ///< of scale, against the road alone; judges only together with GNSS
   Tally bend;         ///< against GNSS, where the gyroscope does not know better
   Tally gnss_lie;     ///< bends that the gyroscope denies, and jumps
   std::vector<double> gravity_rad;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,7 +25,11 @@ struct GnssShape {
   std::uint32_t first;  ///< image
   std::uint32_t last;
   double seconds;
-  Bending scale = {};         ///< its scale drifts
+  Bending scale = {};  ///< its scale drifts
+  /// The same by the height of a vehicle's camera above the road, and by both together; absent
+  /// where the road is not known.
+  std::optional<Bending> scale_by_road = std::nullopt;
+  std::optional<Bending> scale_by_both = std::nullopt;
   Bending bend = {};          ///< its heading drifts, one way
   Bending double_bend = {};   ///< one way and back
   double turn_rad_per_s = 0;  ///< by `bend`, left positive, on average over the pass
@@ -33,8 +38,8 @@ struct GnssShape {
   double noise_m = 0;  ///< of GNSS around the bent path, one axis
 };
 
-/// Passes that are long enough to have a shape: at least 20 m, 4 s and 6 positions.
+/// Of every pass; `on_road`: cameras keep their height above the road.
 std::vector<GnssShape> MeasureGnssShape(const Reconstruction& reconstruction,
-                                        std::span<const VerificationImage> images);
+                                        std::span<const VerificationImage> images, bool on_road);
 
 }  // namespace waymark::mapping::internal
