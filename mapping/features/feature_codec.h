@@ -10,6 +10,10 @@
 
 namespace waymark::mapping {
 
+/// Part of the key that cached features are found by: changes when the same image and options come
+/// to give other features.
+constexpr int kFeatureRevision = 2;
+
 /// Features of one image as bytes for the feature cache: little-endian, 24 + 144 n bytes.
 ///   0  8 bytes  "WAYMFEAT"
 ///   8  u32      version, 1

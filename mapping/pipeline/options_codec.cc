@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mapping/base/content_hash.h"
+#include "mapping/features/feature_codec.h"
 
 namespace waymark::mapping {
 
@@ -125,6 +126,8 @@ Result<PipelineOptions> DecodeBuildOptions(std::string_view text, std::string_vi
 std::string HashFeatureOptions(const FeatureOptions& options) {
   nlohmann::ordered_json json;
   VisitFeatures(options, [&](const char* name, const auto& field) { json[name] = field; });
+  json["features.smoothing_px"] = options.smoothing_px;
+  json["features.revision"] = kFeatureRevision;
   return ContentHash(std::string_view(json.dump()));
 }
 
