@@ -3,7 +3,6 @@
 // used by hand, 100 m queries while somebody writes, memory, and how all that grows to --anchors.
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -33,7 +32,7 @@ struct Arguments {
   std::uint64_t per_room = 50'000;
   std::size_t group = 256;
   std::size_t fill_group = 1000;
-  int fill_nice = 0;
+  std::string filled;
 };
 
 double ResidentMegabytes() {
@@ -101,41 +100,46 @@ double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
   return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
+/// Prints queries at places from number `place` on, not asked before: alone, while somebody writes,
+/// and at those of then once more. Returns the median alone, in ms. `next` is the next anchor.
+double MeasureAnswers(content::AnchorStore& store, const City& city, const Arguments& arguments,
+                      std::uint64_t place, std::uint64_t& next) {
+  const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
+  (void)MeasureQueries(store, city, rooms, place, 100);  // opens connections
+  const QueryFigures quiet = MeasureQueries(store, city, rooms, place + kQueries);
+  Writer writer(store, city, next, arguments.group);
+  const QueryFigures busy = MeasureQueries(store, city, rooms, place + 2 * kQueries);
+  const QueryFigures again = MeasureQueries(store, city, rooms, place + 2 * kQueries);
+  const std::uint64_t written = writer.Stop() - next;
+  next += written;
+  fmt::print(
+      "100 m query, {:.1f} answers: p50 {:.3f} p99 {:.3f} ms; while {} anchors were written p50 "
+      "{:.3f} p99 {:.3f} ms, at the same places again p50 {:.3f} p99 {:.3f} ms; resident {:.0f} "
+      "MB\n",
+      quiet.answers, quiet.p50_ms, quiet.p99_ms, written, busy.p50_ms, busy.p99_ms, again.p50_ms,
+      again.p99_ms, ResidentMegabytes());
+  std::fflush(stdout);
+  return quiet.p50_ms;
+}
+
 /// Fills the store in steps of ten and measures each. Returns the next number.
 std::uint64_t MeasureGrowth(content::AnchorStore& store, const City& city,
                             const Arguments& arguments) {
   std::vector<std::pair<double, double>> query_p50, create_ms;
   std::uint64_t next = 0, place = 0;
   for (std::uint64_t step = 10'000; step <= arguments.anchors; step *= 10) {
-    const int priority = ::getpriority(PRIO_PROCESS, 0);
-    (void)::setpriority(PRIO_PROCESS, 0, priority + arguments.fill_nice);
     const auto begin = Clock::now();
     const std::uint64_t first = next;
     for (; next < step; next += arguments.fill_group) {
       CreateIn(store, city.Group(next, arguments.fill_group));
     }
-    const double fill_s = SecondsSince(begin);
-    const std::uint64_t filled = next - first;
-    (void)::setpriority(PRIO_PROCESS, 0, priority);
-    const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
-    (void)MeasureQueries(store, city, rooms, place, 100);  // opens connections
-    const QueryFigures quiet = MeasureQueries(store, city, rooms, place += kQueries);
-    Writer writer(store, city, next, arguments.group);
-    const QueryFigures busy = MeasureQueries(store, city, rooms, place += kQueries);
-    const QueryFigures again = MeasureQueries(store, city, rooms, place);
-    const std::uint64_t written = writer.Stop() - next;
-    next += written;
-    place += kQueries;
-    const double per_create_ms = 1e3 * fill_s / static_cast<double>(filled);
-    fmt::print(
-        "{:>9} anchors, {:.1f} per answer: filled at {:.0f}/s (groups of {}); 100 m query p50 "
-        "{:.3f} p99 {:.3f} ms, while {} anchors were written p50 {:.3f} p99 {:.3f} ms, at the same "
-        "places again p50 {:.3f} p99 {:.3f} ms; resident {:.0f} MB\n",
-        step, quiet.answers, 1e3 / per_create_ms, arguments.fill_group, quiet.p50_ms, quiet.p99_ms,
-        written, busy.p50_ms, busy.p99_ms, again.p50_ms, again.p99_ms, ResidentMegabytes());
-    std::fflush(stdout);
-    query_p50.emplace_back(static_cast<double>(step), quiet.p50_ms);
+    const double per_create_ms = 1e3 * SecondsSince(begin) / static_cast<double>(next - first);
+    fmt::print("{:>9} anchors, filled at {:.0f}/s (groups of {}); ", step, 1e3 / per_create_ms,
+               arguments.fill_group);
+    query_p50.emplace_back(static_cast<double>(step),
+                           MeasureAnswers(store, city, arguments, place, next));
     create_ms.emplace_back(static_cast<double>(step), per_create_ms);
+    place += 3 * kQueries;
   }
   if (query_p50.size() > 1) {
     fmt::print("growth: query ~ n^{:.2f}, create ~ n^{:.2f}\n", GrowthExponent(query_p50),
@@ -153,13 +157,28 @@ void MeasureCold(const fs::path& file, const content::StoreOptions& options, con
   ::close(descriptor);
   const auto store = content::OpenStore(file, options);
   CHECK(store.ok(), "{}", ToString(store.error()));
-  const std::uint64_t rooms = std::max<std::uint64_t>(1, arguments.anchors / arguments.per_room);
+  const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
   Writer writer(**store, city, next, arguments.group);
   const QueryFigures cold = MeasureQueries(**store, city, rooms, std::uint64_t{1} << 32);
   fmt::print(
       "nothing of the file in memory: 100 m query p50 {:.3f} p99 {:.3f} ms while {} anchors were "
       "written\n",
       cold.p50_ms, cold.p99_ms, writer.Stop() - next);
+}
+
+int MeasureFilled(const Arguments& arguments) {
+  const content::StoreOptions options{.limits = content::StoreLimits::None()};
+  const City city(arguments.per_room);
+  std::uint64_t next = 0;
+  {
+    const auto store = content::OpenStore(arguments.filled, options);
+    CHECK(store.ok(), "{}", ToString(store.error()));
+    next = (*store)->WaitForChanges(0, std::chrono::milliseconds(0)).value();
+    fmt::print("{:>9} anchors; ", next);
+    (void)MeasureAnswers(**store, city, arguments, 0, next);
+  }
+  MeasureCold(arguments.filled, options, city, arguments, next);
+  return 0;
 }
 
 int Run(int argc, char** argv) {
@@ -170,10 +189,10 @@ int Run(int argc, char** argv) {
   app.add_option("--anchors", arguments.anchors)->capture_default_str();
   app.add_option("--per-room", arguments.per_room)->capture_default_str();
   app.add_option("--group", arguments.group)->capture_default_str();
-  app.add_option("--fill-nice", arguments.fill_nice,
-                 "added to the priority while the store is filled, to spare others")
-      ->capture_default_str();
+  app.add_option("--filled", arguments.filled,
+                 "an SQLite store that this program was filling: only its queries are measured");
   CLI11_PARSE(app, argc, argv);
+  if (!arguments.filled.empty()) return MeasureFilled(arguments);
 
   const fs::path folder = fs::path(arguments.folder) / fmt::format("anchors-bench-{}", ::getpid());
   fs::create_directories(folder);
