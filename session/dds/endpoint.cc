@@ -120,6 +120,12 @@ bool Writer::WaitForAcknowledgements(std::chrono::milliseconds patience) {
   return dds_wait_for_acks(writer_.handle(), DDS_MSECS(patience.count())) == DDS_RETCODE_OK;
 }
 
+bool Writer::HasReaders() const {
+  dds_publication_matched_status_t status{};
+  return dds_get_publication_matched_status(writer_.handle(), &status) == DDS_RETCODE_OK &&
+         status.current_count > 0;
+}
+
 // ---- Reader -----------------------------------------------------------------------------------
 
 struct Reader::Listening {

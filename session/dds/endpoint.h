@@ -39,6 +39,8 @@ class Writer {
   void Forget(const void* sample);
   /// Waits until every matched reader has what was written, or the time is over.
   bool WaitForAcknowledgements(std::chrono::milliseconds patience);
+  /// Whether anybody hears what is written.
+  bool HasReaders() const;
 
  private:
   Writer(Entity publisher, Entity writer, std::string name)

@@ -4,6 +4,11 @@
 #include <algorithm>
 
 namespace waymark::session {
+namespace {
+
+constexpr std::chrono::milliseconds kVelocityWindow{200};
+
+}  // namespace
 
 Eigen::Matrix<double, 6, 6> CarryCovariance(const Eigen::Matrix<double, 6, 6>& covariance,
                                             const Eigen::Vector3d& lever_in_b) {
@@ -22,6 +27,9 @@ void PoseTracker::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
   const auto elapsed = vo_from_device_ ? time - time_ : std::chrono::nanoseconds::zero();
   vo_from_device_ = vo_from_device;
   time_ = time;
+  if (!steps_.empty() && time <= steps_.back().time) steps_.clear();
+  steps_.push_back({time, vo_from_device.translation()});
+  while (time - steps_.front().time > kVelocityWindow) steps_.pop_front();
   Correct(std::max(elapsed, std::chrono::nanoseconds::zero()));
 }
 
@@ -98,6 +106,14 @@ DevicePose PoseTracker::Pose(std::uint64_t epoch) const {
                                     map_from_vo.rotation() * vo_from_device_->translation()) +
                     to_come * to_come.transpose();
   return pose;
+}
+
+Eigen::Vector3d PoseTracker::VelocityInMap() const {
+  if (!current_.map_from_vo || steps_.size() < 2) return Eigen::Vector3d::Zero();
+  const Step& from = steps_.front();
+  const Step& to = steps_.back();
+  return current_.map_from_vo->rotation() * (to.position_in_vo - from.position_in_vo) /
+         Seconds(to.time - from.time);
 }
 
 std::vector<SubmapId> PoseTracker::SeenIn() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,9 @@ class PoseTracker {
   void Refresh(DeviceTime now);
 
   DevicePose Pose(std::uint64_t epoch) const;
+  /// How fast the device moves by its odometry, over the last fifth of a second, in m/s; zero
+  /// before two positions are known.
+  Eigen::Vector3d VelocityInMap() const;
   /// The submaps of the fixes, newest first, at most as many as an anchor takes.
   std::vector<SubmapId> SeenIn() const;
 
@@ -49,6 +53,11 @@ class PoseTracker {
   bool was_fixed_ = false;  ///< enough fixes agreed once, since the last reset
   std::optional<Transform<Vo, Device>> vo_from_device_;
   DeviceTime time_;
+  struct Step {
+    DeviceTime time;
+    Eigen::Vector3d position_in_vo;
+  };
+  std::deque<Step> steps_;  // of the last fifth of a second, oldest first
 };
 
 /// The covariance of b_from_c = b_from_a * a_from_c when only b_from_a is uncertain; both of

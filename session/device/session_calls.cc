@@ -62,6 +62,7 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
   {
     const std::lock_guard lock(mutex_);
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
+    gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
     if (!images_.Offer(frame, std::chrono::steady_clock::now())) return {};
   }
   inbox_.Push(WakeUp{});
@@ -85,7 +86,9 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
         .pose = {.epoch = pose.epoch,
                  .time = *session_time,
                  .map_from_device = *pose.map_from_device,
-                 .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3)}};
+                 .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3),
+                 .velocity_in_map = tracker_.VelocityInMap(),
+                 .gaze_in_map = pose.map_from_device->rotation() * gaze_in_device_}};
     last_report_ = time;
   }
   (void)link_->Send(*report);  // the next one is better anyway

@@ -2,17 +2,30 @@
 #include "session/gateway/gateway.h"
 
 #include <map>
+#include <random>
 #include <set>
 #include <utility>
 
 #include "mapping/base/log.h"
 #include "session/gateway/phone.h"
 #include "session/gateway/rooms.h"
+#include "session/wire/frames.h"
 
 namespace waymark::session {
 
 using internal::GatewayTally;
 using internal::Phone;
+
+namespace {
+
+constexpr std::chrono::milliseconds kGathering{4};  // adds half of it to the age of a pose
+
+std::uint64_t RandomBits() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
+
+}  // namespace
 
 /// Knows all connections, and which of them speaks for a device.
 class Gateway::Hub {
@@ -21,18 +34,24 @@ class Gateway::Hub {
       : options_(options),
         participant_(std::make_shared<dds::Participant>(std::move(participant))),
         loop_(options.threads),
-        rooms_(participant_) {}
+        rooms_(participant_, options.relay, loop_) {}
 
   ~Hub() {
     listener_.reset();
     loop_.Stop();
-    for (const PhonePtr& phone : connections_)
-      TakeOffTheBus(phone);  // before the loop they post to
+    line_.reset();
+    for (const PhonePtr& phone : connections_) {
+      TakeOffTheBus(phone, true);  // before the loop they post to
+    }
     connections_.clear();
     devices_.clear();
   }
 
   Result<void> Listen() {
+    WAYMARK_TRY_ASSIGN(line_, wire::GatewayLine::Create(
+                                  participant_, GatewayId{RandomBits()},
+                                  [this](const ClockPong& pong) { Hand(pong); }));
+    FlushAgain();
     WAYMARK_TRY_ASSIGN(listener_, socket::Listen(loop_, options_.listen,
                                                  [this](std::shared_ptr<socket::Channel> channel) {
                                                    Admit(std::move(channel));
@@ -55,13 +74,9 @@ class Gateway::Hub {
 
   void Admit(std::shared_ptr<socket::Channel> channel) {
     const auto phone = std::make_shared<Phone>(
-        channel, options_, tally_,
-        Phone::Calls{.make_bus =
-                         [this](const Hello& hello, wire::DeviceLink::Handler handler) {
-                           return wire::DeviceBus::Create(participant_, hello.room, hello.device,
-                                                          std::move(handler),
-                                                          wire::DeviceBus::Poses::kLeftOut);
-                         },
+        channel, options_, tally_, *line_,
+        Phone::Calls{.enter = [this](const PhonePtr& newcomer,
+                                     const RoomId& room) { return rooms_.Enter(newcomer, room); },
                      .on_attached = [this](const PhonePtr& attached) { Attach(attached); },
                      .on_lost = [this](const PhonePtr& lost) { Linger(lost); },
                      .on_left = [this](const PhonePtr& left) { LetGoSoon(left); }});
@@ -80,7 +95,6 @@ class Gateway::Hub {
   /// gone, ends.
   void Attach(const PhonePtr& phone) {
     ++tally_.phones;
-    rooms_.Enter(phone);
     PhonePtr earlier;
     {
       const std::lock_guard lock(mutex_);
@@ -103,19 +117,44 @@ class Gateway::Hub {
   }
 
   void LetGo(const PhonePtr& phone) {
+    bool is_over = true;
     {
       const std::lock_guard lock(mutex_);
       connections_.erase(phone);
       const auto device = phone->device();
       const auto found = device ? devices_.find(*device) : devices_.end();
-      if (found != devices_.end() && found->second == phone) devices_.erase(found);
+      if (found != devices_.end() && found->second == phone) {
+        devices_.erase(found);
+      } else if (found != devices_.end()) {
+        is_over = found->second->room() != phone->room();
+      }
     }
-    TakeOffTheBus(phone);
+    TakeOffTheBus(phone, is_over);
   }
 
-  void TakeOffTheBus(const PhonePtr& phone) {
-    if (phone->device()) rooms_.Leave(phone);
-    phone->Detach();
+  void TakeOffTheBus(const PhonePtr& phone, bool is_over) {
+    if (phone->device()) rooms_.Leave(phone, phone->room());
+    phone->Detach(is_over);
+  }
+
+  /// Gives an answer to whom it is for.
+  void Hand(const ClockPong& pong) {
+    PhonePtr phone;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = devices_.find(pong.device);
+      if (found == devices_.end()) return;
+      phone = found->second;
+    }
+    const wire::Downward message(pong);
+    phone->Tell(wire::Share(wire::EncodeFrame(message)), wire::SlotOf(message));
+  }
+
+  void FlushAgain() {
+    loop_.PostAfter(kGathering, [this] {
+      line_->Flush();
+      FlushAgain();
+    });
   }
 
   const GatewayOptions options_;
@@ -127,6 +166,7 @@ class Gateway::Hub {
   std::map<DeviceId, PhonePtr> devices_;  // guarded by mutex_
   std::unique_ptr<socket::Listener> listener_;
   internal::GatewayRooms rooms_;
+  std::unique_ptr<wire::GatewayLine> line_;  // last: its threads use all of the above
 };
 
 Result<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& options) {

@@ -9,6 +9,7 @@
 #include "mapping/base/result.h"
 #include "session/dds/participant.h"
 #include "session/socket/channel.h"
+#include "session/state/pose_relay.h"
 
 namespace waymark::session {
 
@@ -22,6 +23,7 @@ struct GatewayOptions {
   /// A phone whose connection broke stays for the others for so long; it may come back meanwhile,
   /// from any address.
   std::chrono::milliseconds linger{2500};
+  RelayOptions relay = {};  ///< what a phone is told of others
 
   Result<void> Validate() const;
 };

@@ -22,7 +22,7 @@ Result<void> GatewayOptions::Validate() const {
                      "bytes/s and {} ms",
                      max_messages_per_s, max_bytes_per_s, linger.count());
   }
-  return {};
+  return relay.Validate();
 }
 
 std::string ToString(const GatewayCounters& counters) {

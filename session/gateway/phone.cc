@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mapping/base/log.h"
+#include "session/gateway/room.h"
 #include "session/wire/frames.h"
 
 namespace waymark::session::internal {
@@ -24,9 +25,10 @@ bool Allowance::Take(double amount, std::chrono::steady_clock::time_point now) {
 }
 
 Phone::Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
-             GatewayTally& tally, Calls calls)
+             GatewayTally& tally, wire::GatewayLine& line, Calls calls)
     : channel_(std::move(channel)),
       tally_(tally),
+      line_(line),
       calls_(std::move(calls)),
       messages_(options.max_messages_per_s),
       bytes_(options.max_bytes_per_s) {}
@@ -62,11 +64,26 @@ void Phone::OnFrame(std::span<const std::uint8_t> frame) {
     if (farewell->device != hello_->device) return Close("goodbye of another device");
     has_left_ = true;
   }
-  {
-    const std::lock_guard lock(mutex_);
-    if (bus_) (void)bus_->Send(*std::move(message));
-  }
+  Say(*std::move(message));
   if (has_left_) Close("goodbye");
+}
+
+// What comes many times a second is gathered with that of others; with a ticket that is not its own
+// it goes nowhere.
+void Phone::Say(wire::Upward message) {
+  std::unique_lock lock(mutex_);
+  const std::shared_ptr<Room> room = room_;
+  if (!room) return;
+  if (const auto* report = std::get_if<PoseReport>(&message)) {
+    if (report->ticket != ticket_) return;
+    stance_.gaze_in_map = report->pose.gaze_in_map;
+    line_.Gather(*report);
+  } else if (const auto* ping = std::get_if<ClockPing>(&message)) {
+    if (ping->ticket == ticket_) line_.Gather(*ping);
+  } else {
+    lock.unlock();
+    (void)room->line().Send(message);
+  }
 }
 
 void Phone::OnHello(Hello hello) {
@@ -74,25 +91,35 @@ void Phone::OnHello(Hello hello) {
     if (hello.device != hello_->device || hello.room != hello_->room) {
       return Close("another device or room");
     }
-    const std::lock_guard lock(mutex_);
-    if (bus_) (void)bus_->Send(std::move(hello));
-    return;
+    return Say(std::move(hello));
   }
-  auto bus = calls_.make_bus(hello, [channel = channel_](const wire::DeviceLink::Event& event) {
-    const auto* const message = std::get_if<wire::Downward>(&event);
-    if (message) channel->Send(wire::EncodeFrame(*message), wire::SlotOf(*message));
-  });
-  if (!bus) {
-    LogWarning("{}: {}", peer(), ToString(bus.error()));
-    return Close(bus.error().message);
+  auto room = calls_.enter(shared_from_this(), hello.room);
+  if (room) hello_ = hello;
+  auto ear = room ? (*room)->line().ListenFor(hello.device,
+                                              [weak = weak_from_this()](const wire::Downward& m) {
+                                                if (const auto self = weak.lock()) self->Hear(m);
+                                              })
+                  : Result<std::unique_ptr<wire::RoomLine::Ear>>(room.error());
+  if (!ear) {
+    LogWarning("{}: {}", peer(), ToString(ear.error()));
+    return Close(ear.error().message);
   }
-  hello_ = hello;
   {
     const std::lock_guard lock(mutex_);
-    bus_ = *std::move(bus);
-    (void)bus_->Send(std::move(hello));
+    room_ = *std::move(room);
+    ear_ = *std::move(ear);
   }
+  Say(std::move(hello));
   calls_.on_attached(shared_from_this());
+}
+
+void Phone::Hear(const wire::Downward& message) {
+  if (const auto* welcome = std::get_if<Welcome>(&message)) {
+    const std::lock_guard lock(mutex_);
+    ticket_ = welcome->ticket;
+    stance_.number = welcome->number;
+  }
+  channel_->Send(wire::EncodeFrame(message), wire::SlotOf(message));
 }
 
 void Phone::OnEnd(const Error& why) {
@@ -101,12 +128,16 @@ void Phone::OnEnd(const Error& why) {
   calls_.on_lost(shared_from_this());
 }
 
-void Phone::Detach() {
-  std::unique_ptr<wire::DeviceBus> bus;
+void Phone::Detach(bool is_over) {
+  // Let go of after the lock: their threads may be at work.
+  std::unique_ptr<wire::RoomLine::Ear> ear;
+  std::shared_ptr<Room> room;
   {
     const std::lock_guard lock(mutex_);
-    bus = std::move(bus_);
+    ear = std::move(ear_);
+    room = std::move(room_);
   }
+  if (room && is_over) room->line().Forget(hello_->device);
 }
 
 }  // namespace waymark::session::internal

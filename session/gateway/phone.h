@@ -9,7 +9,8 @@
 #include <optional>
 
 #include "session/gateway/gateway.h"
-#include "session/wire/device_bus.h"
+#include "session/wire/gateway_line.h"
+#include "session/wire/room_line.h"
 
 namespace waymark::session::internal {
 
@@ -30,29 +31,30 @@ struct GatewayTally {
   std::atomic<std::uint64_t> phones = 0, returns = 0, frames = 0, rejected = 0, throttled = 0;
 };
 
+class Room;
+
 /// One connection of a phone, and the phone on the bus once it has said who it is. Frames are
 /// handled one at a time; everything else is thread-safe.
 class Phone : public std::enable_shared_from_this<Phone> {
  public:
-  using MakeBus = std::function<Result<std::unique_ptr<wire::DeviceBus>>(
-      const Hello&, wire::DeviceLink::Handler)>;
   /// What the gateway does with it.
   struct Calls {
-    MakeBus make_bus;
+    std::function<Result<std::shared_ptr<Room>>(const std::shared_ptr<Phone>&, const RoomId&)>
+        enter;
     std::function<void(const std::shared_ptr<Phone>&)> on_attached;
     std::function<void(const std::shared_ptr<Phone>&)> on_lost;  ///< without goodbye
     std::function<void(const std::shared_ptr<Phone>&)> on_left;  ///< with it, or never attached
   };
 
   Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
-        GatewayTally& tally, Calls calls);
+        GatewayTally& tally, wire::GatewayLine& line, Calls calls);
 
   /// Listens to the connection.
   void Start();
   /// Ends the connection; the phone stays on the bus.
   void Close(std::string why) { channel_->Close(std::move(why)); }
-  /// Takes it off the bus.
-  void Detach();
+  /// Takes it off the bus; `is_over` says that no other connection speaks for its device there.
+  void Detach(bool is_over);
 
   /// Whom it speaks for; nobody before its first Hello.
   std::optional<DeviceId> device() const {
@@ -60,7 +62,16 @@ class Phone : public std::enable_shared_from_this<Phone> {
   }
   /// Where it stands; requires device().
   const RoomId& room() const { return hello_->room; }
-  /// Tells the phone what is told to all of its room.
+  /// As whom the server knows it, and where it looks; zeros before that is known.
+  struct Stance {
+    DeviceNumber number{};
+    Eigen::Vector3d gaze_in_map = Eigen::Vector3d::Zero();
+  };
+  Stance stance() const {
+    const std::lock_guard lock(mutex_);
+    return stance_;
+  }
+  /// Tells the phone what is told to others too.
   void Tell(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {
     channel_->Send(frame, slot);
   }
@@ -69,18 +80,25 @@ class Phone : public std::enable_shared_from_this<Phone> {
  private:
   void OnFrame(std::span<const std::uint8_t> frame);
   void OnHello(Hello hello);
+  void Say(wire::Upward message);
+  void Hear(const wire::Downward& message);  // what it alone is told, on DDS threads
   void OnEnd(const Error& why);
 
   const std::shared_ptr<socket::Channel> channel_;
   GatewayTally& tally_;
+  wire::GatewayLine& line_;
   const Calls calls_;
   Allowance messages_, bytes_;
   int rejected_ = 0;
   bool has_left_ = false;
   std::optional<Hello> hello_;  // the first
 
-  std::mutex mutex_;
-  std::unique_ptr<wire::DeviceBus> bus_;  // guarded by mutex_
+  mutable std::mutex mutex_;
+  // Guarded by mutex_.
+  std::shared_ptr<Room> room_;
+  std::unique_ptr<wire::RoomLine::Ear> ear_;
+  Ticket ticket_{};
+  Stance stance_;
 };
 
 }  // namespace waymark::session::internal

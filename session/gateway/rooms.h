@@ -4,40 +4,29 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 
-#include "session/gateway/phone.h"
-#include "session/wire/room_ear.h"
+#include "session/gateway/room.h"
 
 namespace waymark::session::internal {
 
-/// The rooms that phones of this gateway stand in. Poses are heard and encoded once for each.
+/// The rooms that phones of this gateway stand in, opened for the first and closed after the last.
 /// Thread-safe.
 class GatewayRooms {
  public:
-  using PhonePtr = std::shared_ptr<Phone>;
+  GatewayRooms(std::shared_ptr<dds::Participant> participant, const RelayOptions& relay,
+               socket::SocketLoop& loop)
+      : participant_(std::move(participant)), relay_(relay), loop_(loop) {}
 
-  explicit GatewayRooms(std::shared_ptr<dds::Participant> participant)
-      : participant_(std::move(participant)) {}
-
-  void Enter(const PhonePtr& phone);
-  void Leave(const PhonePtr& phone);
+  /// Errors: those of Room::Open.
+  Result<std::shared_ptr<Room>> Enter(const std::shared_ptr<Phone>& phone, const RoomId& room);
+  void Leave(const std::shared_ptr<Phone>& phone, const RoomId& room);
 
  private:
-  struct Room {
-    std::mutex mutex;
-    std::set<PhonePtr> phones;  // guarded by mutex
-
-    void Tell(const PoseBatch& batch);
-  };
-  struct OpenRoom {
-    std::shared_ptr<Room> room;
-    std::unique_ptr<wire::RoomEar> ear;
-  };
-
   const std::shared_ptr<dds::Participant> participant_;
+  const RelayOptions relay_;
+  socket::SocketLoop& loop_;
   std::mutex mutex_;
-  std::map<RoomId, OpenRoom> open_;  // guarded by mutex_
+  std::map<RoomId, std::shared_ptr<Room>> open_;  // guarded by mutex_
 };
 
 }  // namespace waymark::session::internal

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/server/publisher.h"
 
+#include <algorithm>
+
 #include "mapping/base/log.h"
 
 namespace waymark::session {
@@ -18,9 +20,13 @@ void LogFailure(const Result<void>& result) {
 
 void Publisher::Do(const effect::OpenRoom& effect, ServerTime) {
   LogFailure(bus_.OpenRoom(effect.room));
+  audiences_.insert_or_assign(effect.room, Audience{PoseRelay(relay_options_), {}});
 }
 
-void Publisher::Do(const effect::CloseRoom& effect, ServerTime) { bus_.CloseRoom(effect.room); }
+void Publisher::Do(const effect::CloseRoom& effect, ServerTime) {
+  bus_.CloseRoom(effect.room);
+  audiences_.erase(effect.room);
+}
 
 void Publisher::Do(const effect::SendWelcome& effect, ServerTime) {
   const DeviceId& device = effect.welcome.device;
@@ -32,12 +38,23 @@ void Publisher::Do(const effect::SendWelcome& effect, ServerTime) {
     open_devices_.insert_or_assign(device, effect.room);
   }
   closing_devices_.erase(device);
-  if (effect.welcome.verdict == JoinVerdict::kAccepted) ++counters_.joins;
+  if (effect.welcome.verdict == JoinVerdict::kAccepted) {
+    ++counters_.joins;
+    const auto audience = audiences_.find(effect.room);
+    if (audience != audiences_.end()) {
+      audience->second.listeners.insert_or_assign(device,
+                                                  PoseRelay::Listener(effect.welcome.number));
+    }
+  }
   LogFailure(bus_.Send(effect.welcome));
 }
 
 void Publisher::Do(const effect::CloseDevice& effect, ServerTime now) {
   closing_devices_.insert_or_assign(effect.device, now);
+  const auto open = open_devices_.find(effect.device);
+  if (open == open_devices_.end()) return;
+  const auto audience = audiences_.find(open->second);
+  if (audience != audiences_.end()) audience->second.listeners.erase(effect.device);
 }
 
 void Publisher::Do(const effect::PublishPresence& effect, ServerTime) {
@@ -51,9 +68,52 @@ void Publisher::Do(const effect::WithdrawPresence& effect, ServerTime now) {
   LogFailure(bus_.Withdraw(effect.room, effect.device));
 }
 
-void Publisher::Do(const effect::PublishPoses& effect, ServerTime) {
-  ++counters_.pose_batches;
-  LogFailure(bus_.Publish(effect.room, effect.batch));
+void Publisher::Do(const effect::PublishPoses& effect, ServerTime now) {
+  if (bus_.IsHeardByGateways(effect.room)) TellGateways(effect, now);
+  TellDevices(effect, now);
+}
+
+// A gateway chooses for its phones itself.
+void Publisher::TellGateways(const effect::PublishPoses& effect, ServerTime now) {
+  const std::size_t count = effect.poses.size();
+  PoseBatch batch{.chunk = 0,
+                  .chunks = static_cast<std::uint32_t>((count - 1) / kMaxPosesPerBatch + 1),
+                  .tick = effect.tick,
+                  .epoch = effect.epoch,
+                  .run = effect.run,
+                  .time = now,
+                  .poses = {}};
+  for (; batch.chunk < batch.chunks; ++batch.chunk) {
+    const auto begin = batch.chunk * kMaxPosesPerBatch;
+    const auto end = std::min(count, begin + kMaxPosesPerBatch);
+    batch.poses.assign(effect.poses.begin() + static_cast<std::ptrdiff_t>(begin),
+                       effect.poses.begin() + static_cast<std::ptrdiff_t>(end));
+    ++counters_.pose_batches;
+    LogFailure(bus_.Publish(effect.room, batch));
+  }
+}
+
+void Publisher::TellDevices(const effect::PublishPoses& effect, ServerTime now) {
+  const auto audience = audiences_.find(effect.room);
+  if (audience == audiences_.end()) return;
+  PoseRelay& relay = audience->second.relay;
+  relay.Hear(effect.epoch, effect.poses, now);
+  relay.FinishHearing();
+  PoseBatch batch{.tick = effect.tick,
+                  .epoch = effect.epoch,
+                  .run = effect.run,
+                  .time = now,
+                  .poses = {}};
+  for (auto& [device, listener] : audience->second.listeners) {
+    if (!bus_.HearsPoses(device)) continue;
+    batch.poses.clear();
+    for (const PoseRelay::Slot slot : relay.Choose(listener)) {
+      batch.poses.push_back(relay.poses()[slot]);
+    }
+    if (batch.poses.empty()) continue;
+    ++counters_.pose_batches;
+    LogFailure(bus_.Send(device, batch));
+  }
 }
 
 void Publisher::Do(const effect::PublishAnchor& effect, ServerTime) {

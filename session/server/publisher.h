@@ -7,6 +7,7 @@
 
 #include "session/server/server.h"
 #include "session/state/events.h"
+#include "session/state/pose_relay.h"
 #include "session/wire/server_bus.h"
 
 namespace waymark::session {
@@ -16,7 +17,8 @@ namespace waymark::session {
 /// Thread-compatible; times are the session's.
 class Publisher {
  public:
-  Publisher(wire::ServerBus& bus, ServerCounters& counters) : bus_(bus), counters_(counters) {}
+  Publisher(wire::ServerBus& bus, const RelayOptions& relay, ServerCounters& counters)
+      : bus_(bus), relay_options_(relay), counters_(counters) {}
 
   void Do(const effect::OpenRoom& effect, ServerTime now);
   void Do(const effect::CloseRoom& effect, ServerTime now);
@@ -39,12 +41,22 @@ class Publisher {
   template <typename Key>
   using Withdrawn = std::map<std::pair<RoomId, Key>, ServerTime>;
 
+  /// Who is told the poses of a room by the server itself.
+  struct Audience {
+    PoseRelay relay;
+    std::map<DeviceId, PoseRelay::Listener> listeners;
+  };
+
   template <typename Key>
   void Forget(Withdrawn<Key>& withdrawn, ServerTime now);
+  void TellGateways(const effect::PublishPoses& effect, ServerTime now);
+  void TellDevices(const effect::PublishPoses& effect, ServerTime now);
 
   wire::ServerBus& bus_;
+  const RelayOptions relay_options_;
   ServerCounters& counters_;
   std::map<DeviceId, RoomId> open_devices_;
+  std::map<RoomId, Audience> audiences_;
   std::map<DeviceId, ServerTime> closing_devices_;  // since when
   Withdrawn<DeviceId> withdrawn_devices_;
   Withdrawn<AnchorId> withdrawn_anchors_;

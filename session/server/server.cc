@@ -68,10 +68,11 @@ class Server::Loop {
 
   Result<void> Start(const ServerOptions& options) {
     WAYMARK_TRY_ASSIGN(bus_,
-                       wire::ServerBus::Create(BusOptions(options), [this](wire::Upward message) {
-                         Receive(std::move(message));
-                       }));
-    publisher_.emplace(*bus_, counters_);
+                       wire::ServerBus::Create(
+                           BusOptions(options),
+                           [this](wire::Upward message) { Receive(std::move(message)); },
+                           [this](GatewayReport report) { Receive(std::move(report)); }));
+    publisher_.emplace(*bus_, options.relay, counters_);
     thread_ = std::thread([this] { Work(); });
     return {};
   }
@@ -98,13 +99,18 @@ class Server::Loop {
  private:
   struct Item {
     ServerTime arrived;
-    std::variant<wire::Upward, Event, LocaliseAnswer, ServedRelease> content;
+    std::variant<wire::Upward, GatewayReport, Event, LocaliseAnswer, ServedRelease> content;
   };
 
   // Called on DDS threads.
   void Receive(wire::Upward message) {
     const std::size_t weight = WeightOf(message);
     inbox_.TryPush({Now(), std::move(message)}, weight);
+  }
+  // Poses are told at the next tick, and a ping's answer says how long it waited.
+  void Receive(GatewayReport report) {
+    const std::size_t weight = report.poses.size() * sizeof(PoseReport);
+    inbox_.TryPush({Now(), std::move(report)}, weight, Inbox<Item>::Urgency::kCanWait);
   }
 
   void Work() {
@@ -125,6 +131,8 @@ class Server::Loop {
           using Content = std::remove_cvref_t<decltype(content)>;
           if constexpr (std::is_same_v<Content, wire::Upward>) {
             std::visit([&](auto& message) { On(std::move(message), item.arrived); }, content);
+          } else if constexpr (std::is_same_v<Content, GatewayReport>) {
+            On(content, item.arrived);
           } else if constexpr (std::is_same_v<Content, Event>) {
             Apply(content);
           } else if constexpr (std::is_same_v<Content, LocaliseAnswer>) {
@@ -148,16 +156,28 @@ class Server::Loop {
     ++counters_.anchor_commands;
     Apply(event::CommandReceived{std::move(command)});
   }
+  void On(const GatewayReport& report, ServerTime arrived) {
+    for (const PoseReport& pose : report.poses) On(pose, arrived);
+    GatewayPongs pongs{.gateway = report.gateway, .pongs = {}};
+    for (const ClockPing& ping : report.pings) {
+      if (const auto pong = AnswerTo(ping, arrived)) pongs.pongs.push_back(*pong);
+    }
+    if (!pongs.pongs.empty()) (void)bus_->Send(pongs);
+  }
   void On(ClockPing ping, ServerTime arrived) {
+    if (const auto pong = AnswerTo(ping, arrived)) (void)bus_->Send(*pong);
+  }
+  /// Nothing for a stranger: silence tells a device to join again.
+  std::optional<ClockPong> AnswerTo(const ClockPing& ping, ServerTime arrived) {
     Apply(event::Heard{ping.ticket});
     const RoomMember* const member = state_.FindMember(ping.ticket);
-    if (member == nullptr) return;  // its silence tells the device to join again
-    (void)bus_->Send(ClockPong{.device = member->device,
-                               .sequence_number = ping.sequence_number,
-                               .device_sent = ping.sent,
-                               .received = arrived,
-                               .sent = Now(),
-                               .run = run_});
+    if (member == nullptr) return std::nullopt;
+    return ClockPong{.device = member->device,
+                     .sequence_number = ping.sequence_number,
+                     .device_sent = ping.sent,
+                     .received = arrived,
+                     .sent = Now(),
+                     .run = run_};
   }
   void On(LocaliseQuery query, ServerTime) {
     Apply(event::Heard{query.ticket});
@@ -218,6 +238,7 @@ Result<void> ServerOptions::Validate() const {
   }
   WAYMARK_TRY(localise.Validate());
   WAYMARK_TRY(state.Validate());
+  WAYMARK_TRY(relay.Validate());
   return BusOptions(*this).Validate();
 }
 

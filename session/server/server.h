@@ -11,6 +11,7 @@
 #include "session/dds/participant.h"
 #include "session/server/anchor_support.h"
 #include "session/server/localise_pool.h"
+#include "session/state/pose_relay.h"
 #include "session/state/session_state.h"
 
 namespace waymark::session {
@@ -22,6 +23,7 @@ struct ServerOptions {
   int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
   LocalisePoolOptions localise = {};
   StateOptions state = {};
+  RelayOptions relay = {};  ///< to devices on the bus; gateways have their own
 
   Result<void> Validate() const;
 };

@@ -107,9 +107,13 @@ struct WithdrawPresence {
   RoomId room;
   DeviceId device;
 };
+/// All poses of a room that are due; whom they reach is up to a PoseRelay.
 struct PublishPoses {
   RoomId room;
-  PoseBatch batch;
+  RunId run{};
+  std::uint32_t tick = 0;
+  std::uint64_t epoch = 1;
+  std::vector<SharedPose> poses;
 };
 struct PublishAnchor {
   RoomId room;

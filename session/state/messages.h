@@ -32,7 +32,9 @@ inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
-inline constexpr std::size_t kMaxPosesPerBatch = 27;  ///< 27 * 48 octets fit one fragment
+inline constexpr std::size_t kMaxPosesPerBatch = 52;    ///< 52 * 24 octets fit one fragment
+inline constexpr std::size_t kMaxPerGatewayReport = 64;  ///< poses, pings, pongs
+inline constexpr double kMaxSpeed_mps = 32;              ///< of a shared pose; faster ones are cut
 inline constexpr double kMaxCoordinate_m = 1e6;
 
 enum class RunId : std::uint64_t {};          ///< one life of a server process
@@ -86,6 +88,9 @@ struct LivePose {
   ServerTime time;
   Transform<Map, Device> map_from_device;
   double sigma_m = 0;  ///< of the position
+  Eigen::Vector3d velocity_in_map = Eigen::Vector3d::Zero();  ///< m/s
+  /// Where the camera looks, a unit vector; zero when not known. Others are not told.
+  Eigen::Vector3d gaze_in_map = Eigen::Vector3d::Zero();
 };
 
 struct PoseReport {
@@ -98,10 +103,14 @@ struct SharedPose {
   LivePose pose;
 };
 
+/// Poses of one epoch.
 struct PoseBatch {
   std::uint32_t chunk = 0;
+  std::uint32_t chunks = 1;  ///< of this tick, > chunk
   std::uint32_t tick = 0;
+  std::uint64_t epoch = 1;
   RunId run{};
+  ServerTime time = {};  ///< when it was sent
   std::vector<SharedPose> poses;
 };
 
@@ -222,6 +231,22 @@ struct ClockPong {
   ServerTime received = {};
   ServerTime sent = {};
   RunId run{};
+};
+
+// ---- gateways ---------------------------------------------------------------------------------
+
+enum class GatewayId : std::uint64_t {};  ///< one life of a gateway process
+
+/// What phones of a gateway said since the last one.
+struct GatewayReport {
+  GatewayId gateway{};
+  std::vector<PoseReport> poses;
+  std::vector<ClockPing> pings;
+};
+
+struct GatewayPongs {
+  GatewayId gateway{};
+  std::vector<ClockPong> pongs;
 };
 
 }  // namespace waymark::session

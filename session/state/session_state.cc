@@ -85,24 +85,22 @@ void SessionState::CloseIdleRooms(Step& step) {
 // A pose goes out once when it is new, and again now and then in case it was lost or somebody
 // joined since.
 void SessionState::PublishPoses(const RoomId& id, const Room& room, Step& step) {
-  PoseBatch batch{.chunk = 0, .tick = tick_, .run = run_, .poses = {}};
-  const auto publish = [&] {
-    if (batch.poses.empty()) return;
-    step.effects.push_back(effect::PublishPoses{id, batch});
-    batch.poses.clear();
-    ++batch.chunk;
-  };
+  std::vector<SharedPose> poses;
   for (const DeviceId& device : room.members) {
     RoomMember& member = members_.at(device);
     const bool is_due = member.pose_is_new ||
                         (member.pose && step.now - member.pose_published > options_.pose_repeat);
     if (!is_due) continue;
-    batch.poses.push_back({member.number, *member.pose});
+    poses.push_back({member.number, *member.pose});
     member.pose_is_new = false;
     member.pose_published = step.now;
-    if (batch.poses.size() == kMaxPosesPerBatch) publish();
   }
-  publish();
+  if (poses.empty()) return;
+  step.effects.push_back(effect::PublishPoses{.room = id,
+                                              .run = run_,
+                                              .tick = tick_,
+                                              .epoch = map_.epoch,
+                                              .poses = std::move(poses)});
 }
 
 void SessionState::PublishState(const RoomId& id, const Room& room, Step& step) {

@@ -17,7 +17,7 @@ struct StateOptions {
   std::chrono::nanoseconds pose_repeat = std::chrono::milliseconds(500);  ///< of who stands still
   std::chrono::nanoseconds max_clock_error = std::chrono::seconds(10);    ///< of a pose's time
   std::size_t max_rooms = 64;
-  std::size_t max_members = 256;           ///< of a room
+  std::size_t max_members = 1024;          ///< of a room
   std::size_t max_anchors = 20'000;        ///< of a room
   std::size_t max_writes_per_device = 32;  ///< waiting for the store
   AnchorRights rights = AnchorRights::kEveryone;

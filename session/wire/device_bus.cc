@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/wire/device_bus.h"
 
-#include <vector>
-
-#include "session/wire/internal/topics.h"
+#include "session/wire/internal/readers.h"
 
 namespace waymark::session::wire {
 namespace {
@@ -30,56 +28,9 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
 }  // namespace
 
 struct DeviceBus::Impl {
-  Impl(std::shared_ptr<dds::Participant> participant_in, UpWriters writers_in,
-       const DeviceId& device_in)
-      : participant(std::move(participant_in)), writers(std::move(writers_in)), device(device_in) {}
-
-  std::shared_ptr<dds::Participant> participant;
   UpWriters writers;
   DeviceId device;
-  std::atomic<std::uint64_t> rejected = 0;
-  std::vector<dds::Reader> readers;  // last: their callbacks end before the rest goes
-
-  template <typename Message>
-  Result<void> Listen(const std::string& partition, const Handler& handler) {
-    return Listen<Message>(partition, handler, [](dds::Arrival, const WireOf<Message>&) {});
-  }
-
-  template <typename Message, typename OnEnd>
-  Result<void> Listen(const std::string& partition, const Handler& handler, OnEnd on_end) {
-    WAYMARK_TRY_ASSIGN(
-        dds::Reader reader,
-        MakeReader<Message>(
-            *participant, partition, rejected,
-            [handler](Message message) { handler(Downward(std::move(message))); }, on_end));
-    readers.push_back(std::move(reader));
-    return {};
-  }
-
-  Result<void> ListenToRoom(const RoomId& room, const Handler& handler) {
-    const std::string partition = DownPartition(room);
-    // Lost, as opposed to disposed, means that the server is away: nobody left because of that.
-    WAYMARK_TRY(Listen<Presence>(partition, handler,
-                                 [handler](dds::Arrival arrival, const waymark_Presence& key) {
-                                   if (arrival != dds::Arrival::kDisposed) return;
-                                   handler(Downward(DeviceGone{GetId<DeviceId>(key.device)}));
-                                 }));
-    WAYMARK_TRY(Listen<AnchorState>(
-        partition, handler, [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
-          if (arrival != dds::Arrival::kDisposed) return;
-          handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
-        }));
-    WAYMARK_TRY(Listen<RoomState>(partition, handler));
-    return Listen<MapState>(partition, handler);
-  }
-
-  Result<void> ListenToOwn(const RoomId& room, const Handler& handler) {
-    const std::string partition = DevicePartition(room, device);
-    WAYMARK_TRY(Listen<Welcome>(partition, handler));
-    WAYMARK_TRY(Listen<LocaliseAnswer>(partition, handler));
-    WAYMARK_TRY(Listen<CommandReply>(partition, handler));
-    return Listen<ClockPong>(partition, handler);
-  }
+  Readers readers;
 };
 
 DeviceBus::DeviceBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -94,13 +45,16 @@ Result<void> CheckIdentity(const RoomId& room, const DeviceId& device) {
 
 Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Participant> participant,
                                                      const RoomId& room, const DeviceId& device,
-                                                     Handler handler, Poses poses) {
+                                                     Handler handler) {
   WAYMARK_TRY(CheckIdentity(room, device));
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room));
-  auto impl = std::make_unique<Impl>(std::move(participant), std::move(writers), device);
-  WAYMARK_TRY(impl->ListenToOwn(room, handler));
-  WAYMARK_TRY(impl->ListenToRoom(room, handler));
-  if (poses == Poses::kHeard) WAYMARK_TRY(impl->Listen<PoseBatch>(DownPartition(room), handler));
+  std::unique_ptr<Impl> impl(
+      new Impl{std::move(writers), device, Readers(std::move(participant))});
+  Readers& readers = impl->readers;
+  WAYMARK_TRY(readers.ListenToOwn(room, device, handler));
+  WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));
+  WAYMARK_TRY(readers.Listen<PoseBatch>(DevicePartition(room, device), handler));
+  WAYMARK_TRY(readers.ListenToRoom(room, handler));
   return std::unique_ptr<DeviceBus>(new DeviceBus(std::move(impl)));
 }
 

@@ -8,16 +8,13 @@
 
 namespace waymark::session::wire {
 
-/// A device's end of the star over DDS. Several devices may share a participant.
+/// A device's end of the star over DDS.
 class DeviceBus final : public DeviceLink {
  public:
-  /// Whether pose batches are handed over too, or come by a RoomEar.
-  enum class Poses { kHeard, kLeftOut };
-
   /// Errors: InvalidArgument (room, device), Unavailable.
   static Result<std::unique_ptr<DeviceBus>> Create(std::shared_ptr<dds::Participant> participant,
                                                    const RoomId& room, const DeviceId& device,
-                                                   Handler handler, Poses poses = Poses::kHeard);
+                                                   Handler handler);
   ~DeviceBus() override;
 
   Result<void> Send(Upward message) override;

@@ -13,13 +13,14 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 4;
 
-/// Numbers are for ever: a client of any age relies on them.
+/// Numbers are for ever: a client of any age relies on them. 2 and 19 were poses before they had
+/// velocities.
 template <typename Message>
 inline constexpr std::uint8_t kKind = 0;
 template <>
 inline constexpr std::uint8_t kKind<Hello> = 1;
 template <>
-inline constexpr std::uint8_t kKind<PoseReport> = 2;
+inline constexpr std::uint8_t kKind<PoseReport> = 6;
 template <>
 inline constexpr std::uint8_t kKind<LocaliseQuery> = 3;
 template <>
@@ -31,7 +32,7 @@ inline constexpr std::uint8_t kKind<Welcome> = 17;
 template <>
 inline constexpr std::uint8_t kKind<Presence> = 18;
 template <>
-inline constexpr std::uint8_t kKind<PoseBatch> = 19;
+inline constexpr std::uint8_t kKind<PoseBatch> = 26;
 template <>
 inline constexpr std::uint8_t kKind<LocaliseAnswer> = 20;
 template <>

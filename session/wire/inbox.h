@@ -19,8 +19,11 @@ class Inbox {
   Inbox(std::size_t max_items, std::size_t max_bytes)
       : max_items_(max_items), max_bytes_(max_bytes) {}
 
+  /// Whether an item is taken at once, or with the next one or at the deadline.
+  enum class Urgency { kAtOnce, kCanWait };
+
   /// Leaves an item that weighs `bytes` beyond its own size. False, and dropped: full.
-  bool TryPush(Item item, std::size_t bytes) {
+  bool TryPush(Item item, std::size_t bytes, Urgency urgency = Urgency::kAtOnce) {
     const std::lock_guard lock(mutex_);
     if (items_.size() >= max_items_ || bytes_ + bytes > max_bytes_) {
       ++dropped_;
@@ -28,7 +31,7 @@ class Inbox {
     }
     items_.push_back(std::move(item));
     bytes_ += bytes;
-    changed_.notify_one();
+    if (urgency == Urgency::kAtOnce) changed_.notify_one();
     return true;
   }
 

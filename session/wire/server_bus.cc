@@ -23,6 +23,7 @@ struct DeviceWriters {
   dds::Writer answers;
   dds::Writer replies;
   dds::Writer pongs;
+  dds::Writer poses;
 };
 
 waymark_Presence KeyOf(const DeviceId& device) {
@@ -44,9 +45,11 @@ Error NotOpen(std::string_view what, const std::string& name) {
 }  // namespace
 
 struct ServerBus::Impl {
-  explicit Impl(dds::Participant participant_in) : participant(std::move(participant_in)) {}
+  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in)
+      : participant(std::move(participant_in)), gateway_pongs(std::move(gateway_pongs_in)) {}
 
   dds::Participant participant;
+  dds::Writer gateway_pongs;
   std::atomic<std::uint64_t> rejected = 0;
   std::map<RoomId, RoomWriters> rooms;
   std::map<DeviceId, DeviceWriters> devices;
@@ -54,10 +57,15 @@ struct ServerBus::Impl {
 
   template <typename Message>
   Result<void> Listen(const Handler& handler) {
-    WAYMARK_TRY_ASSIGN(
-        dds::Reader reader,
-        MakeReader<Message>(participant, AnyUpPartition(), rejected,
-                            [handler](Message message) { handler(Upward(std::move(message))); }));
+    return Listen<Message>(AnyUpPartition(), [handler](Message message) {
+      handler(Upward(std::move(message)));
+    });
+  }
+
+  template <typename Message, typename OnMessage>
+  Result<void> Listen(const std::string& partition, OnMessage on_message) {
+    WAYMARK_TRY_ASSIGN(dds::Reader reader, MakeReader<Message>(participant, partition, rejected,
+                                                               std::move(on_message)));
     readers.push_back(std::move(reader));
     return {};
   }
@@ -99,14 +107,17 @@ ServerBus::ServerBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ServerBus::~ServerBus() = default;
 
 Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptions& options,
-                                                     Handler handler) {
+                                                     Handler handler,
+                                                     GatewayHandler gateway_handler) {
   WAYMARK_TRY_ASSIGN(dds::Participant participant, dds::Participant::Create(options));
-  auto impl = std::make_unique<Impl>(std::move(participant));
+  WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<GatewayPongs>(participant, kGatewaysDown));
+  auto impl = std::make_unique<Impl>(std::move(participant), std::move(pongs));
   WAYMARK_TRY(impl->ListenForHello(handler));
   WAYMARK_TRY(impl->Listen<PoseReport>(handler));
   WAYMARK_TRY(impl->Listen<LocaliseQuery>(handler));
   WAYMARK_TRY(impl->Listen<AnchorCommand>(handler));
   WAYMARK_TRY(impl->Listen<ClockPing>(handler));
+  WAYMARK_TRY(impl->Listen<GatewayReport>(kGatewaysUp, std::move(gateway_handler)));
   return std::unique_ptr<ServerBus>(new ServerBus(std::move(impl)));
 }
 
@@ -133,8 +144,10 @@ Result<void> ServerBus::OpenDevice(const RoomId& room, const DeviceId& device) {
   WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto replies, MakeWriter<CommandReply>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<ClockPong>(participant, partition));
-  impl_->devices.insert_or_assign(device, DeviceWriters{std::move(welcome), std::move(answers),
-                                                        std::move(replies), std::move(pongs)});
+  WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseBatch>(participant, partition));
+  impl_->devices.insert_or_assign(
+      device, DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
+                            std::move(pongs), std::move(poses)});
   return {};
 }
 
@@ -146,6 +159,10 @@ Result<void> ServerBus::Publish(const RoomId& room, const Presence& presence) {
 }
 Result<void> ServerBus::Publish(const RoomId& room, const PoseBatch& batch) {
   return impl_->WriteTo(room, &RoomWriters::poses, batch);
+}
+bool ServerBus::IsHeardByGateways(const RoomId& room) const {
+  const auto found = impl_->rooms.find(room);
+  return found != impl_->rooms.end() && found->second.poses.HasReaders();
 }
 Result<void> ServerBus::Publish(const RoomId& room, const AnchorState& state) {
   return impl_->WriteTo(room, &RoomWriters::anchors, state);
@@ -191,6 +208,18 @@ Result<void> ServerBus::Send(const CommandReply& reply) {
 }
 Result<void> ServerBus::Send(const ClockPong& pong) {
   return impl_->WriteTo(&DeviceWriters::pongs, pong);
+}
+Result<void> ServerBus::Send(const DeviceId& device, const PoseBatch& batch) {
+  const auto found = impl_->devices.find(device);
+  if (found == impl_->devices.end()) return NotOpen("device", device.text());
+  return Write(found->second.poses, batch);
+}
+bool ServerBus::HearsPoses(const DeviceId& device) const {
+  const auto found = impl_->devices.find(device);
+  return found != impl_->devices.end() && found->second.poses.HasReaders();
+}
+Result<void> ServerBus::Send(const GatewayPongs& pongs) {
+  return Write(impl_->gateway_pongs, pongs);
 }
 
 std::uint64_t ServerBus::RejectedMessages() const { return impl_->rejected; }

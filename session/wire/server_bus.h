@@ -14,9 +14,11 @@ namespace waymark::session::wire {
 class ServerBus {
  public:
   using Handler = std::function<void(Upward)>;
+  using GatewayHandler = std::function<void(GatewayReport)>;
 
   static Result<std::unique_ptr<ServerBus>> Create(const dds::ParticipantOptions& options,
-                                                   Handler handler);
+                                                   Handler handler,
+                                                   GatewayHandler gateway_handler);
   ~ServerBus();
 
   /// What is published to a room that is not open, or sent to a device that is not, goes nowhere.
@@ -27,7 +29,9 @@ class ServerBus {
   bool IsOpen(const DeviceId& device) const;
 
   Result<void> Publish(const RoomId& room, const Presence& presence);
+  /// Heard by gateways, which choose from it for each of their phones.
   Result<void> Publish(const RoomId& room, const PoseBatch& batch);
+  bool IsHeardByGateways(const RoomId& room) const;
   Result<void> Publish(const RoomId& room, const AnchorState& state);
   Result<void> Publish(const RoomId& room, const RoomState& state);
   Result<void> Publish(const RoomId& room, const MapState& state);
@@ -44,6 +48,11 @@ class ServerBus {
   Result<void> Send(const LocaliseAnswer& answer);
   Result<void> Send(const CommandReply& reply);
   Result<void> Send(const ClockPong& pong);
+  Result<void> Send(const DeviceId& device, const PoseBatch& batch);
+  /// False: the device is not there, or a gateway hears its poses for it.
+  bool HearsPoses(const DeviceId& device) const;
+  /// To the gateway named in the message.
+  Result<void> Send(const GatewayPongs& pongs);
 
   std::uint64_t RejectedMessages() const;  ///< did not decode
 

@@ -7,7 +7,7 @@ using dds::Delivery;
 using dds::History;
 using dds::Topic;
 
-// The digit is the version of the hot, final types; changing one of those means a new digit.
+// The digit is the version of the type; changing a final one means a new digit.
 
 template <>
 Topic TopicOf<Hello>() {
@@ -25,12 +25,12 @@ Topic TopicOf<Presence>() {
 }
 template <>
 Topic TopicOf<PoseReport>() {
-  return {"waymark/1/pose_report", &waymark_PoseReport_desc, Delivery::kBestEffort, History::kNone,
+  return {"waymark/2/pose_report", &waymark_PoseReport_desc, Delivery::kBestEffort, History::kNone,
           1};
 }
 template <>
 Topic TopicOf<PoseBatch>() {
-  return {"waymark/1/pose_batch", &waymark_PoseBatch_desc, Delivery::kBestEffort, History::kNone,
+  return {"waymark/2/pose_batch", &waymark_PoseBatch_desc, Delivery::kBestEffort, History::kNone,
           1};
 }
 template <>
@@ -77,6 +77,16 @@ template <>
 Topic TopicOf<ClockPong>() {
   return {"waymark/1/clock_pong", &waymark_ClockPong_desc, Delivery::kBestEffort, History::kNone,
           1};
+}
+template <>
+Topic TopicOf<GatewayReport>() {
+  return {"waymark/1/gateway_report", &waymark_GatewayReport_desc, Delivery::kBestEffort,
+          History::kNone, 1};
+}
+template <>
+Topic TopicOf<GatewayPongs>() {
+  return {"waymark/1/gateway_pongs", &waymark_GatewayPongs_desc, Delivery::kBestEffort,
+          History::kNone, 1};
 }
 
 }  // namespace waymark::session::wire

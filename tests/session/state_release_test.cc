@@ -65,7 +65,7 @@ TEST_F(StateRelease, AnchorsAreCarriedAndWhatCarriesThemIsTold) {
   EXPECT_TRUE(None<effect::PublishPoses>()) << "poses of the old frame are not shared";
   Pose('a', 3, 2);
   Play(event::Ticked{});
-  EXPECT_EQ(Only<effect::PublishPoses>().batch.poses.size(), 1u);
+  EXPECT_EQ(Only<effect::PublishPoses>().poses.size(), 1u);
 }
 
 TEST_F(StateRelease, ThereAndBackIsExact) {

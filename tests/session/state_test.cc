@@ -135,7 +135,7 @@ TEST_F(State, NewPosesGoOutOnceAndAgainNowAndThen) {
   Pose('A', 3);
   EXPECT_TRUE(effects_.empty()) << "only a tick sends";
   Play(event::Ticked{});
-  const PoseBatch batch = Only<effect::PublishPoses>().batch;
+  const auto batch = Only<effect::PublishPoses>();
   ASSERT_THAT(batch.poses, SizeIs(1));
   EXPECT_EQ(batch.poses[0].pose.map_from_device.translation().x(), 3);
   EXPECT_EQ(batch.poses[0].number, state_.FindMember(TicketOf('A'))->number);
@@ -144,7 +144,7 @@ TEST_F(State, NewPosesGoOutOnceAndAgainNowAndThen) {
   EXPECT_TRUE(None<effect::PublishPoses>());
   Wait(milliseconds(500));
   Play(event::Ticked{});
-  EXPECT_THAT(Only<effect::PublishPoses>().batch.poses, SizeIs(1));
+  EXPECT_THAT(Only<effect::PublishPoses>().poses, SizeIs(1));
 }
 
 TEST_F(State, PosesOfAnotherEpochAnotherTimeOrOutOfOrderAreNotShared) {
@@ -163,24 +163,7 @@ TEST_F(State, PosesOfAnotherEpochAnotherTimeOrOutOfOrderAreNotShared) {
       {.ticket = TicketOf('A'),
        .pose = {.time = now_ - milliseconds(1), .map_from_device = {}, .sigma_m = 0}}});
   Play(event::Ticked{});
-  EXPECT_EQ(Only<effect::PublishPoses>().batch.poses[0].pose.map_from_device.translation().x(), 3);
-}
-
-TEST_F(State, ManyPosesSpreadOverFragments) {
-  constexpr std::uint64_t kDevices = 60;
-  OpenWith("A");
-  for (std::uint64_t i = 0; i < kDevices; ++i) {
-    Play(event::HelloReceived{
-        {.device = DeviceId(FormatUuid(UuidFromBits(9, i))), .room = RoomId("square"), .name = ""},
-        Ticket{5000 + i}});
-    Play(event::PoseReceived{{.ticket = Ticket{5000 + i}, .pose = MakePose(0)}});
-  }
-  Play(event::Ticked{});
-  const auto batches = All<effect::PublishPoses>();
-  ASSERT_THAT(batches, SizeIs(3));
-  EXPECT_THAT(batches[0].batch.poses, SizeIs(27));
-  EXPECT_THAT(batches[2].batch.poses, SizeIs(6));
-  EXPECT_NE(batches[0].batch.chunk, batches[1].batch.chunk);
+  EXPECT_EQ(Only<effect::PublishPoses>().poses[0].pose.map_from_device.translation().x(), 3);
 }
 
 TEST_F(State, TheSameEventsGiveTheSameEffects) {
@@ -191,9 +174,9 @@ TEST_F(State, TheSameEventsGiveTheSameEffects) {
     Pose('A', 3);
     Pose('C', 4);
     Play(event::Ticked{});
-    return Only<effect::PublishPoses>().batch;
+    return Only<effect::PublishPoses>();
   };
-  const PoseBatch first = play(), second = play();
+  const auto first = play(), second = play();
   ASSERT_EQ(first.poses.size(), second.poses.size());
   for (std::size_t i = 0; i < first.poses.size(); ++i) {
     EXPECT_EQ(first.poses[i].number, second.poses[i].number);

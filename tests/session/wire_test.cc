@@ -54,39 +54,6 @@ TEST(Wire, JoiningComesBack) {
   EXPECT_EQ(ToNanoseconds(welcome->session_time), 5);
 }
 
-TEST(Wire, PosesComeBackToFloatPrecision) {
-  RandomGeometry random(3);
-  PoseBatch batch{.chunk = 1, .tick = 2, .run = RunId{3}, .poses = {}};
-  for (std::uint32_t i = 0; i < kMaxPosesPerBatch; ++i) {
-    batch.poses.push_back({DeviceNumber{i},
-                           {.epoch = 4,
-                            .time = FromNanoseconds<ServerTime>(i),
-                            .map_from_device = Transform<Map, Device>(random.Rigid()),
-                            .sigma_m = 0.5}});
-  }
-  const auto returned = Return(batch);
-  ASSERT_TRUE(returned.ok());
-  ASSERT_EQ(returned->poses.size(), batch.poses.size());
-  for (std::size_t i = 0; i < batch.poses.size(); ++i) {
-    EXPECT_EQ(returned->poses[i].number, batch.poses[i].number);
-    EXPECT_EQ(returned->poses[i].pose.time, batch.poses[i].pose.time);
-    EXPECT_LT(Difference(returned->poses[i].pose.map_from_device.rigid(),
-                         batch.poses[i].pose.map_from_device.rigid())
-                  .norm(),
-              1e-5);
-  }
-  const auto report = Return(PoseReport{Ticket{8}, batch.poses[3].pose});
-  ASSERT_TRUE(report.ok());
-  EXPECT_EQ(report->ticket, Ticket{8});
-  EXPECT_EQ(report->pose.epoch, 4u);
-}
-
-TEST(Wire, ABatchFitsOneFragment) {
-  // Measured: best effort of several fragments is lost as (1 - p)^n; a fragment holds 1344 octets.
-  EXPECT_EQ(sizeof(waymark_SharedPose), 48u);
-  EXPECT_LE(kMaxPosesPerBatch * sizeof(waymark_SharedPose) + 32, 1344u);
-}
-
 TEST(Wire, LocalisationComesBack) {
   const auto query = Return(MakeQuery());
   ASSERT_TRUE(query.ok());

@@ -59,7 +59,7 @@ class LiveSession final : public DeviceSession {
   void On(const Welcome& welcome);
   void On(const Presence& presence) { view_.On(presence); }
   void On(const wire::DeviceGone& gone);
-  void On(const PoseBatch& batch) { view_.On(batch); }
+  void On(const PoseBatch& batch) { view_.On(batch, SessionNow()); }
   void On(const LocaliseAnswer& answer);
   void On(const AnchorState& state) { view_.On(state); }
   void On(const wire::AnchorGone& gone) { view_.OnGone(gone.anchor); }
@@ -89,6 +89,7 @@ class LiveSession final : public DeviceSession {
   ClockEstimator session_clock_;
   StampClock stamp_clock_;
   PoseTracker tracker_;
+  Eigen::Vector3d gaze_in_device_ = Eigen::Vector3d::Zero();  // of the camera, once known
   RoomView view_;
   std::uint32_t last_swap_ = 0;  // of the present run
   Placements placements_;        // of the live release, as told with its swap

@@ -41,6 +41,11 @@ Result<ClockPing> Decode(const waymark_ClockPing& wire);
 waymark_ClockPong Encode(const ClockPong& pong, Scratch& scratch);
 Result<ClockPong> Decode(const waymark_ClockPong& wire);
 
+waymark_GatewayReport Encode(const GatewayReport& report, Scratch& scratch);
+Result<GatewayReport> Decode(const waymark_GatewayReport& wire);
+waymark_GatewayPongs Encode(const GatewayPongs& pongs, Scratch& scratch);
+Result<GatewayPongs> Decode(const waymark_GatewayPongs& wire);
+
 /// The generated type of a message.
 template <typename Message>
 using WireOf = decltype(Encode(std::declval<const Message&>(), std::declval<Scratch&>()));

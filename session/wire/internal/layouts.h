@@ -56,7 +56,7 @@ struct Layout<waymark_PoseReport> {
   static constexpr bool kAppendable = false;
   static void Visit(auto& archive, auto& m) {
     archive(m.ticket, m.epoch, m.sigma_m, m.session_time_ns, m.map_position_m,
-            m.map_quaternion_xyzw);
+            m.map_quaternion_xyzw, m.map_velocity_mps, m.map_gaze);
   }
 };
 
@@ -64,8 +64,7 @@ template <>
 struct Layout<waymark_SharedPose> {
   static constexpr bool kAppendable = false;
   static void Visit(auto& archive, auto& m) {
-    archive(m.number, m.epoch, m.session_time_ns, m.map_position_m, m.map_quaternion_xyzw,
-            m.sigma_m);
+    archive(m.number, m.position, m.rotation, m.age, m.sigma, m.velocity);
   }
 };
 
@@ -73,7 +72,8 @@ template <>
 struct Layout<waymark_PoseBatch> {
   static constexpr bool kAppendable = false;
   static void Visit(auto& archive, auto& m) {
-    archive(m.chunk, m.tick, m.run, AtMost{m.poses, 27});
+    archive(m.chunk, m.chunks, m.tick, m.epoch, m.run, m.session_time_ns, m.map_origin_m,
+            AtMost{m.poses, 52});
   }
 };
 

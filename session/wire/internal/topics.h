@@ -21,6 +21,8 @@ inline std::string DownPartition(const RoomId& room) { return "room." + room.tex
 inline std::string DevicePartition(const RoomId& room, const DeviceId& device) {
   return "room." + room.text() + ".device." + device.text();
 }
+inline constexpr const char* kGatewaysUp = "gateways.up";
+inline constexpr const char* kGatewaysDown = "gateways.down";
 
 template <typename Message>
 Result<dds::Writer> MakeWriter(dds::Participant& participant, const std::string& partition) {

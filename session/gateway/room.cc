@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/gateway/room.h"
+
+#include "session/wire/frames.h"
+#include "session/wire/pose_sheet.h"
+
+namespace waymark::session::internal {
+
+Result<std::shared_ptr<Room>> Room::Open(std::shared_ptr<dds::Participant> participant,
+                                         const RoomId& room, const RelayOptions& relay,
+                                         socket::SocketLoop& loop) {
+  std::shared_ptr<Room> opened(new Room(relay, loop));
+  Room* const raw = opened.get();
+  WAYMARK_TRY_ASSIGN(opened->line_,
+                     wire::RoomLine::Create(
+                         std::move(participant), room,
+                         [raw](const wire::Downward& message) { raw->Hear(message); },
+                         [raw] { raw->ForgetWords(); }));
+  return opened;
+}
+
+void Room::Enter(const PhonePtr& phone) {
+  const std::lock_guard lock(mutex_);
+  const auto tell = [&](const Word& word) {
+    if (word.frame) phone->Tell(word.frame, std::nullopt);
+  };
+  tell(map_);
+  for (const auto& [device, word] : presences_) tell(word);
+  for (const auto& [anchor, word] : anchors_) tell(word);
+  tell(state_);
+  phones_.emplace(phone, PoseRelay::Listener(DeviceNumber{}));
+}
+
+bool Room::Leave(const PhonePtr& phone) {
+  const std::lock_guard lock(mutex_);
+  phones_.erase(phone);
+  return phones_.empty();
+}
+
+void Room::TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {
+  for (const auto& [phone, listener] : phones_) phone->Tell(frame, slot);
+}
+
+void Room::Hear(const wire::Downward& message) {
+  const bool is_poses = std::holds_alternative<PoseBatch>(message);
+  const wire::SharedFrame frame = is_poses ? nullptr : wire::Share(wire::EncodeFrame(message));
+  const std::lock_guard lock(mutex_);
+  std::visit(
+      [&](const auto& content) {
+        if constexpr (requires { On(content, frame); }) On(content, frame);
+      },
+      message);
+  if (frame) TellAll(frame, wire::SlotOf(message));
+}
+
+void Room::On(const Presence& presence, const wire::SharedFrame& frame) {
+  presences_.insert_or_assign(presence.device, Word{presence.run, frame});
+}
+
+void Room::On(const wire::DeviceGone& gone, const wire::SharedFrame&) {
+  presences_.erase(gone.device);
+}
+
+void Room::On(const AnchorState& state, const wire::SharedFrame& frame) {
+  anchors_.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
+}
+
+void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame&) {
+  anchors_.erase(gone.anchor);
+}
+
+void Room::On(const MapState& state, const wire::SharedFrame& frame) { map_ = {state.run, frame}; }
+
+// With another run of the server, what was said in an earlier one no longer holds.
+void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
+  if (state.run != state_.run) {
+    const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
+    std::erase_if(presences_, is_over);
+    std::erase_if(anchors_, is_over);
+    if (map_.run != state.run) map_ = {};
+  }
+  state_ = {state.run, frame};
+}
+
+// What ends while the server is away is not told; what still holds then is told anew.
+void Room::ForgetWords() {
+  const std::lock_guard lock(mutex_);
+  presences_.clear();
+  anchors_.clear();
+  state_ = map_ = {};
+}
+
+// ---- poses ------------------------------------------------------------------------------------
+
+void Room::On(const PoseBatch& batch, const wire::SharedFrame&) {
+  if (batch.run != tick_.run) relay_.Clear();
+  relay_.Hear(batch.epoch, batch.poses, batch.time);
+  tick_ = batch;
+  tick_.chunk = 0;
+  tick_.chunks = 1;
+  tick_.poses.clear();
+  const bool is_last = batch.chunk + 1 >= batch.chunks;
+  if (!is_last || is_telling_) return;
+  const auto self = weak_from_this().lock();
+  if (!self) return;  // closing
+  is_telling_ = true;
+  loop_.Post([self] { self->TellPoses(); });
+}
+
+void Room::TellPoses() {
+  const std::lock_guard lock(mutex_);
+  is_telling_ = false;
+  relay_.FinishHearing();
+  const wire::PoseSheet sheet(tick_, relay_.poses());
+  const auto slot = wire::SlotOf(wire::Downward(tick_));
+  for (auto& [phone, listener] : phones_) {
+    const Phone::Stance stance = phone->stance();
+    if (listener.number() != stance.number) listener = PoseRelay::Listener(stance.number);
+    listener.LookAlong(stance.gaze_in_map);
+    const auto chosen = relay_.Choose(listener);
+    if (!chosen.empty()) phone->Tell(sheet.Frame(chosen), slot);
+  }
+}
+
+}  // namespace waymark::session::internal

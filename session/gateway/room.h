@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "session/gateway/phone.h"
+#include "session/state/pose_relay.h"
+#include "session/wire/room_line.h"
+
+namespace waymark::session::internal {
+
+/// A room that phones of this gateway stand in. What the server tells it is heard, decoded and
+/// encoded once for all of them; each is told the poses that matter to it. Thread-safe.
+class Room : public std::enable_shared_from_this<Room> {
+ public:
+  using PhonePtr = std::shared_ptr<Phone>;
+
+  /// Errors: those of RoomLine::Create.
+  static Result<std::shared_ptr<Room>> Open(std::shared_ptr<dds::Participant> participant,
+                                            const RoomId& room, const RelayOptions& relay,
+                                            socket::SocketLoop& loop);
+
+  /// From now on the phone is told what the room is told, after all that still holds of what was.
+  void Enter(const PhonePtr& phone);
+  /// Says whether nobody is left.
+  bool Leave(const PhonePtr& phone);
+
+  wire::RoomLine& line() { return *line_; }
+
+ private:
+  /// The last word on something, as a frame.
+  struct Word {
+    RunId run{};
+    wire::SharedFrame frame;
+  };
+
+  Room(const RelayOptions& relay, socket::SocketLoop& loop) : loop_(loop), relay_(relay) {}
+
+  // On DDS threads.
+  void Hear(const wire::Downward& message);
+  void On(const PoseBatch& batch, const wire::SharedFrame&);
+  void On(const Presence& presence, const wire::SharedFrame& frame);
+  void On(const wire::DeviceGone& gone, const wire::SharedFrame& frame);
+  void On(const AnchorState& state, const wire::SharedFrame& frame);
+  void On(const wire::AnchorGone& gone, const wire::SharedFrame& frame);
+  void On(const RoomState& state, const wire::SharedFrame& frame);
+  void On(const MapState& state, const wire::SharedFrame& frame);
+  void TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slot);
+  void ForgetWords();
+
+  // On the loop.
+  void TellPoses();
+
+  socket::SocketLoop& loop_;
+  std::mutex mutex_;
+  // Guarded by mutex_.
+  std::map<PhonePtr, PoseRelay::Listener> phones_;
+  PoseRelay relay_;
+  PoseBatch tick_;  // the one heard last, without poses
+  bool is_telling_ = false;
+  std::map<DeviceId, Word> presences_;
+  std::map<AnchorId, Word> anchors_;
+  Word state_, map_;
+
+  std::unique_ptr<wire::RoomLine> line_;  // last: its threads use all of the above
+};
+
+}  // namespace waymark::session::internal

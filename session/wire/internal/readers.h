@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "session/wire/internal/topics.h"
+#include "session/wire/traffic.h"
+
+namespace waymark::session::wire {
+
+/// What is heard on the way down, by one device or by many of a process.
+class Readers {
+ public:
+  explicit Readers(std::shared_ptr<dds::Participant> participant)
+      : participant_(std::move(participant)) {}
+
+  dds::Participant& participant() { return *participant_; }
+
+  /// Hands over each message of a partition as a Downward.
+  template <typename Message, typename Handler>
+  Result<void> Listen(const std::string& partition, const Handler& handler) {
+    return Listen<Message>(partition, handler, [](dds::Arrival, const WireOf<Message>&) {});
+  }
+  template <typename Message, typename Handler, typename OnEnd>
+  Result<void> Listen(const std::string& partition, const Handler& handler, OnEnd on_end) {
+    WAYMARK_TRY_ASSIGN(
+        dds::Reader reader,
+        MakeReader<Message>(
+            *participant_, partition, rejected_,
+            [handler](Message message) { handler(Downward(std::move(message))); }, on_end));
+    readers_.push_back(std::move(reader));
+    return {};
+  }
+
+  /// What all of a room are told, but for poses. `on_lost` is called when the server is away.
+  template <typename Handler>
+  Result<void> ListenToRoom(const RoomId& room, const Handler& handler,
+                            const std::function<void()>& on_lost = nullptr) {
+    const std::string partition = DownPartition(room);
+    // Lost, as opposed to disposed, means that the server is away: nobody left because of that.
+    WAYMARK_TRY(Listen<Presence>(partition, handler,
+                                 [handler](dds::Arrival arrival, const waymark_Presence& key) {
+                                   if (arrival != dds::Arrival::kDisposed) return;
+                                   handler(Downward(DeviceGone{GetId<DeviceId>(key.device)}));
+                                 }));
+    WAYMARK_TRY(Listen<AnchorState>(
+        partition, handler, [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
+          if (arrival != dds::Arrival::kDisposed) return;
+          handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
+        }));
+    WAYMARK_TRY(Listen<RoomState>(partition, handler,
+                                  [on_lost](dds::Arrival arrival, const waymark_RoomState&) {
+                                    if (arrival == dds::Arrival::kLost && on_lost) on_lost();
+                                  }));
+    return Listen<MapState>(partition, handler);
+  }
+
+  /// What a device alone is told, but for poses and pongs.
+  template <typename Handler>
+  Result<void> ListenToOwn(const RoomId& room, const DeviceId& device, const Handler& handler) {
+    const std::string partition = DevicePartition(room, device);
+    WAYMARK_TRY(Listen<Welcome>(partition, handler));
+    WAYMARK_TRY(Listen<LocaliseAnswer>(partition, handler));
+    return Listen<CommandReply>(partition, handler);
+  }
+
+ private:
+  std::shared_ptr<dds::Participant> participant_;
+  std::atomic<std::uint64_t> rejected_ = 0;
+  std::vector<dds::Reader> readers_;  // last: their callbacks end before the rest goes
+};
+
+}  // namespace waymark::session::wire

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/wire/room_line.h"
+
+#include "session/wire/device_link.h"
+#include "session/wire/internal/readers.h"
+
+namespace waymark::session::wire {
+namespace {
+
+struct OwnEar final : RoomLine::Ear {
+  explicit OwnEar(std::shared_ptr<dds::Participant> participant)
+      : readers(std::move(participant)) {}
+
+  Readers readers;
+};
+
+waymark_Hello KeyOf(const DeviceId& device) {
+  waymark_Hello key{};
+  SetId(key.device, device);
+  return key;
+}
+
+}  // namespace
+
+struct RoomLine::Impl {
+  std::shared_ptr<dds::Participant> participant;
+  RoomId room;
+  dds::Writer hello, queries, commands;
+  Readers readers;
+};
+
+RoomLine::RoomLine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RoomLine::~RoomLine() = default;
+
+Result<std::unique_ptr<RoomLine>> RoomLine::Create(std::shared_ptr<dds::Participant> participant,
+                                                   const RoomId& room, Handler handler,
+                                                   std::function<void()> on_lost) {
+  WAYMARK_TRY(CheckName(room.text(), "room"));
+  const std::string partition = UpPartition(room);
+  WAYMARK_TRY_ASSIGN(auto hello, MakeWriter<Hello>(*participant, partition));
+  WAYMARK_TRY_ASSIGN(auto queries, MakeWriter<LocaliseQuery>(*participant, partition));
+  WAYMARK_TRY_ASSIGN(auto commands, MakeWriter<AnchorCommand>(*participant, partition));
+  std::unique_ptr<Impl> impl(new Impl{participant, room, std::move(hello), std::move(queries),
+                                      std::move(commands), Readers(participant)});
+  WAYMARK_TRY(impl->readers.ListenToRoom(room, handler, on_lost));
+  WAYMARK_TRY(impl->readers.Listen<PoseBatch>(DownPartition(room), handler));
+  return std::unique_ptr<RoomLine>(new RoomLine(std::move(impl)));
+}
+
+Result<void> RoomLine::Send(const Upward& message) {
+  struct Sender {
+    Impl& impl;
+
+    Result<void> operator()(const Hello& m) { return Write(impl.hello, m); }
+    Result<void> operator()(const LocaliseQuery& m) { return Write(impl.queries, m); }
+    Result<void> operator()(const AnchorCommand& m) { return Write(impl.commands, m); }
+    Result<void> operator()(const Farewell& m) {
+      const waymark_Hello key = KeyOf(m.device);
+      return impl.hello.Dispose(&key);
+    }
+    Result<void> operator()(const PoseReport&) { return Refuse(); }
+    Result<void> operator()(const ClockPing&) { return Refuse(); }
+
+    Result<void> Refuse() const {
+      return MakeError(ErrorCode::kUnsupported, "room {}: this goes another way", impl.room.text());
+    }
+  };
+  return std::visit(Sender{*impl_}, message);
+}
+
+void RoomLine::Forget(const DeviceId& device) {
+  const waymark_Hello key = KeyOf(device);
+  impl_->hello.Forget(&key);
+}
+
+Result<std::unique_ptr<RoomLine::Ear>> RoomLine::ListenFor(const DeviceId& device,
+                                                           Handler handler) {
+  WAYMARK_TRY(CheckIdentity(impl_->room, device));
+  auto ear = std::make_unique<OwnEar>(impl_->participant);
+  WAYMARK_TRY(ear->readers.ListenToOwn(impl_->room, device, handler));
+  return std::unique_ptr<Ear>(std::move(ear));
+}
+
+}  // namespace waymark::session::wire
