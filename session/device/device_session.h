@@ -78,14 +78,15 @@ struct DevicePose {
   DeviceTime time;
 };
 
-/// Another phone of the room, as last heard.
+/// Another phone of the room: where it is now, as far as its last reports tell.
 struct OtherDevice {
   DeviceId id;
   std::string name;
   bool is_present = true;
   std::optional<Transform<Map, Device>> map_from_device;
+  double sigma_m = 0;  ///< of the position; grows with what may have happened since the last report
   std::uint64_t epoch = 0;
-  std::chrono::duration<double> age{0};  ///< of the pose when asked
+  std::chrono::duration<double> age{0};  ///< of the last report when asked
 };
 
 struct SharedAnchor {

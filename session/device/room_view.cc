@@ -50,7 +50,7 @@ void RoomView::BeginResync() {
 
 void RoomView::On(const Presence& presence) {
   if (presence.device == self_) return;
-  others_.insert_or_assign(presence.device, Other{presence, std::nullopt, std::nullopt, delivery_});
+  others_.insert_or_assign(presence.device, Other{presence, RemoteTrack(), std::nullopt, delivery_});
   if (presence.run == run_) numbers_.insert_or_assign(presence.number, presence.device);
 }
 
@@ -64,14 +64,13 @@ void RoomView::OnGone(const DeviceId& device, ServerTime now) {
   });
 }
 
-void RoomView::On(const PoseBatch& batch) {
+void RoomView::On(const PoseBatch& batch, ServerTime now) {
   if (batch.run != run_) return;
   for (const SharedPose& shared : batch.poses) {
     const auto number = numbers_.find(shared.number);
     if (number == numbers_.end()) continue;
     Other& other = others_.at(number->second);
-    if (other.pose && other.pose->time >= shared.pose.time) continue;
-    other.pose = shared.pose;
+    other.track.Hear(shared.pose, now);
     other.delivery = delivery_;
   }
 }
@@ -86,10 +85,12 @@ std::vector<OtherDevice> RoomView::Others(ServerTime now) const {
                                                                        other.presence.run == run_ &&
                                                                        other.delivery == delivery_,
                                                          .map_from_device = std::nullopt});
-    if (!other.pose) continue;
-    shown.map_from_device = other.pose->map_from_device;
-    shown.epoch = other.pose->epoch;
-    shown.age = now - other.pose->time;
+    const std::optional<RemoteTrack::Shown> at = other.track.At(now);
+    if (!at) continue;
+    shown.map_from_device = at->map_from_device;
+    shown.sigma_m = at->sigma_m;
+    shown.epoch = other.track.latest()->epoch;
+    shown.age = now - other.track.latest()->time;
   }
   return others;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "session/device/device_session.h"
+#include "session/device/remote_track.h"
 #include "session/state/messages.h"
 
 namespace waymark::session {
@@ -30,7 +31,7 @@ class RoomView {
 
   void On(const Presence& presence);
   void OnGone(const DeviceId& device, ServerTime now);
-  void On(const PoseBatch& batch);
+  void On(const PoseBatch& batch, ServerTime now);
   void On(const AnchorState& state);
   void OnGone(const AnchorId& anchor);
   void On(const RoomState& state);
@@ -45,7 +46,7 @@ class RoomView {
  private:
   struct Other {
     Presence presence;
-    std::optional<LivePose> pose;
+    RemoteTrack track = RemoteTrack();
     std::optional<ServerTime> gone_since;
     std::uint32_t delivery = 0;
   };

@@ -110,14 +110,14 @@ TEST_F(View, OthersComeMoveAndGo) {
                                  .map_from_device = {Eigen::Quaterniond::Identity(), {x, 0, 0}}}}}};
   };
   view_.On(Presence{self_, DeviceNumber{4}, "me", kRun});
-  view_.On(pose(1, kNow));
+  view_.On(pose(1, kNow), kNow);
   view_.On(Presence{ben_, DeviceNumber{5}, "Ben", kRun});
   ASSERT_THAT(view_.Others(kNow), SizeIs(1)) << "oneself is not another";
   EXPECT_TRUE(view_.Others(kNow)[0].is_present);
   EXPECT_FALSE(view_.Others(kNow)[0].map_from_device) << "the number meant nobody then";
-  view_.On(pose(2, kNow));
-  view_.On(pose(3, kNow - seconds(1)));
-  view_.On(pose(4, kNow + seconds(1), kNextRun));
+  view_.On(pose(2, kNow), kNow);
+  view_.On(pose(3, kNow - seconds(1)), kNow);
+  view_.On(pose(4, kNow + seconds(1), kNextRun), kNow);
   const OtherDevice ben = view_.Others(kNow + seconds(2))[0];
   EXPECT_EQ(ben.map_from_device->translation().x(), 2) << "neither late nor of another run";
   EXPECT_EQ(ben.age, seconds(2));
