@@ -1,46 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <memory>
-#include <mutex>
-#include <set>
 #include <vector>
 
-#include "session/socket/channel.h"
-#include "session/state/messages.h"
+#include "tests/bench/session/walker.h"
+#include "tests/bench/session/web_socket.h"
 
 namespace waymark::bench {
 
-/// What one phone of a crowd has heard while it was counted.
-struct Heard {
-  std::set<std::uint32_t> ticks;    ///< of which a pose batch came
-  std::vector<float> latencies_ms;  ///< from one phone's report to another's hearing of it
-  std::uint64_t bytes = 0;
-};
-
-/// Many phones in one process, which walk, report their poses and listen, each on a connection of
-/// its own to a gateway.
+/// Many phones in one thread, which walk, report their poses and listen, each on a connection of its
+/// own to a gateway.
 class Crowd {
  public:
-  /// Phones stand in rooms of `per_room`.
-  Crowd(std::uint16_t gateway_port, int phones, int per_room);
+  struct Options {
+    int phones = 100;
+    int per_room = 1'000'000;  ///< phones stand in rooms of so many
+    double edge_m = 50;        ///< of the square that each room's phones are spread over
+    double hz = 30;            ///< of reports
+  };
+
+  /// Errors: Unavailable.
+  static Result<std::unique_ptr<Crowd>> Connect(std::uint16_t gateway_port, const Options& options);
   ~Crowd();
 
-  /// Waits until all are welcome; returns how long it took, or a negative number when that was more
-  /// than a minute.
-  double JoinAll();
-  /// All report poses at this rate for so long; what is heard meanwhile is kept.
-  std::vector<Heard> Walk(double hz, double seconds);
+  /// Waits until all are welcome; says how long it took. Errors: Timeout (a minute).
+  Result<double> JoinAll();
+  /// All report poses for so long; what is heard after the first second is counted.
+  std::vector<Heard> Walk(double seconds);
+  /// Connections that ended meanwhile.
+  int Lost() const { return lost_; }
 
  private:
-  class Phone;
+  struct Phone;
 
-  void TellAll(double hz, double seconds);
+  explicit Crowd(const Options& options);
+  /// Handles what arrives until then.
+  void ListenUntil(std::chrono::steady_clock::time_point deadline);
+  void OnMessage(Phone& phone, std::span<const std::uint8_t> message);
 
-  std::vector<std::shared_ptr<Phone>> phones_;
-  session::socket::SocketLoop loop_{1};
+  Options options_;
+  std::vector<std::unique_ptr<Phone>> phones_;
+  int poll_ = -1;
+  int lost_ = 0;
+  std::size_t welcome_ = 0;
+  bool is_counting_ = false;
 };
 
 }  // namespace waymark::bench

@@ -5,13 +5,15 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
+#include <fstream>
 #include <string>
 #include <thread>
 
+#include "tests/bench/session/apps.h"
+#include "tests/bench/session/bus_crowd.h"
 #include "tests/bench/session/child.h"
 #include "tests/bench/session/crowd.h"
+#include "tests/bench/session/summary.h"
 #include "tests/session/session_fixture.h"
 #include "tests/support/memory_anchor_store.h"
 
@@ -19,10 +21,17 @@ namespace waymark::bench {
 namespace {
 
 struct Flags {
+  std::vector<std::string> layouts{"city", "square"};
   std::vector<int> phones{10, 30, 100, 300, 1000};
   int per_room = 20;
-  double seconds = 10;
+  int bus_phones = 200;
+  double city_m = 3000;
+  double square_m = 50;
+  double seconds = 8;
   double hz = 30;
+  int joins = 20;
+  int anchors = 200;
+  std::string csv, plot;
 };
 
 /// SIGTERM ends it as it ends any process.
@@ -50,79 +59,113 @@ int RunGateway(int domain) {
   return StayUntilTold();
 }
 
-float Quantile(std::vector<float>& values, double share) {
-  if (values.empty()) return NAN;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+std::uint16_t PortOf(const Child& gateway) {
+  return static_cast<std::uint16_t>(std::stoi(gateway.line()));
 }
 
-struct Summary {
-  double delivered = 0;  ///< share of ticks that came with a batch
-  double kB_per_s = 0;   ///< to a phone
-  std::vector<float> latencies_ms;
-};
-
-Summary Summarise(std::vector<Heard> heard, double seconds) {
-  Summary summary;
-  std::uint32_t first = UINT32_MAX, last = 0;
-  for (const Heard& phone : heard) {
-    if (phone.ticks.empty()) continue;
-    first = std::min(first, *phone.ticks.begin());
-    last = std::max(last, *phone.ticks.rbegin());
-  }
-  double ticks = 0, bytes = 0;
-  for (Heard& phone : heard) {
-    ticks += static_cast<double>(phone.ticks.size());
-    bytes += static_cast<double>(phone.bytes);
-    summary.latencies_ms.insert(summary.latencies_ms.end(), phone.latencies_ms.begin(),
-                                phone.latencies_ms.end());
-  }
-  const auto count = static_cast<double>(heard.size());
-  summary.delivered = last >= first ? ticks / count / (last - first + 1.0) : 0;
-  summary.kB_per_s = bytes / count / seconds / 1e3;
-  return summary;
+/// Lets a crowd walk and says what it cost meanwhile.
+template <typename Walk>
+void Observe(const Child& server, const Child* gateway, double seconds, const Walk& walk, Row& row) {
+  const double server_s = server.CpuS(), gateway_s = gateway ? gateway->CpuS() : 0;
+  const double own_s = OwnCpuS();
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<Heard> heard = walk();
+  const double wall_s = Seconds(std::chrono::steady_clock::now() - begin);
+  row.server_cores = (server.CpuS() - server_s) / wall_s;
+  row.gateway_cores = gateway ? (gateway->CpuS() - gateway_s) / wall_s : 0;
+  row.generator_cores = (OwnCpuS() - own_s) / wall_s;
+  row.server_mib = server.MemoryMib();
+  row.gateway_mib = gateway ? gateway->MemoryMib() : 0;
+  Summarise(heard, seconds, row);
 }
 
-Result<void> Measure(int phones, const Flags& flags) {
+Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& flags) {
   WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
   WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-  Crowd crowd(static_cast<std::uint16_t>(std::stoi(gateway.line())), phones,
-              std::min(flags.per_room, phones));
-  const double join_s = crowd.JoinAll();
-  if (join_s < 0) {
-    return MakeError(ErrorCode::kTimeout, "{} phones: not all were welcome after a minute", phones);
+  Crowd::Options options{.phones = phones, .hz = flags.hz};
+  options.edge_m = layout == "city" ? flags.city_m : flags.square_m;
+  if (layout == "rooms") options.per_room = flags.per_room;
+  WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
+  Row row{.layout = layout, .phones = phones};
+  WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
+  Observe(server, &gateway, flags.seconds, [&] { return crowd->Walk(flags.seconds); }, row);
+  if (crowd->Lost() > 0) fmt::print("{} connections ended\n", crowd->Lost());
+  return row;
+}
+
+Result<Row> MeasureBus(int phones, const Flags& flags) {
+  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
+  constexpr int kCells = 20;
+  WAYMARK_TRY_ASSIGN(const auto crowd, BusCrowd::Connect(std::stoi(server.line()), phones, kCells));
+  Row row{.layout = "bus", .phones = phones};
+  WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
+  Observe(server, nullptr, flags.seconds, [&] { return crowd->Walk(flags.hz, flags.seconds); }, row);
+  return row;
+}
+
+/// Apps join a room in which a hundred phones walk, on both ways.
+Result<void> MeasureAppTimes(const Flags& flags) {
+  constexpr int kOthers = 100;
+  for (const bool is_direct : {false, true}) {
+    WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
+    WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
+    WAYMARK_TRY_ASSIGN(const auto crowd,
+                       Crowd::Connect(PortOf(gateway), {.phones = kOthers, .edge_m = flags.square_m}));
+    WAYMARK_TRY(crowd->JoinAll());
+    std::atomic<bool> is_over = false;
+    std::thread walking([&] {
+      while (!is_over) (void)crowd->Walk(0.1);
+    });
+    const auto times = MeasureApps(
+        is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
+        std::stoi(server.line()), "room0", kOthers, flags.joins, flags.anchors);
+    is_over = true;
+    walking.join();
+    if (!times) return times.error();
+    fmt::print(
+        "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times); acknowledged "
+        "anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
+        is_direct ? "on the bus" : "through a gateway", kOthers, Quantile(times->joins_ms, 0.5),
+        Quantile(times->joins_ms, 0.99), flags.joins, Quantile(times->anchors_ms, 0.5),
+        Quantile(times->anchors_ms, 0.99), flags.anchors);
   }
-  const double server_s = server.CpuS(), gateway_s = gateway.CpuS(), own_s = OwnCpuS();
-  const auto begin = std::chrono::steady_clock::now();
-  Summary summary = Summarise(crowd.Walk(flags.hz, flags.seconds), flags.seconds);
-  const double wall_s = Seconds(std::chrono::steady_clock::now() - begin);
-  fmt::print(
-      "{:>6} {:>6} {:>7.2f} {:>9.2f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.1f} {:>8.2f} {:>8.2f} "
-      "{:>8.0f} {:>8.0f}\n",
-      phones, std::min(flags.per_room, phones), join_s, 100 * summary.delivered,
-      Quantile(summary.latencies_ms, 0.5), Quantile(summary.latencies_ms, 0.99), summary.kB_per_s,
-      100 * (server.CpuS() - server_s) / wall_s, 100 * (gateway.CpuS() - gateway_s) / wall_s,
-      100 * (OwnCpuS() - own_s) / wall_s, server.MemoryMib(), gateway.MemoryMib());
-  std::fflush(stdout);
   return {};
 }
 
+std::string Load() {
+  std::ifstream file("/proc/loadavg");
+  std::string one, five, fifteen;
+  file >> one >> five >> fifteen;
+  return one;
+}
+
 int Run(const Flags& flags) {
-  fmt::print(
-      "phones at {} Hz through a gateway; latency from a report to another phone's hearing it\n"
-      "{:>6} {:>6} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n"
-      "{:>6} {:>6} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8}\n",
-      flags.hz, "phones", "a room", "join s", "ticks", "p50", "p99", "kB/s", "server", "gateway",
-      "phones", "server", "gateway", "", "", "", "heard %", "ms", "ms", "a phone", "% core",
-      "% core", "% core", "MiB", "MiB");
-  for (const int phones : flags.phones) {
-    if (const auto measured = Measure(phones, flags); !measured) {
-      fmt::print("{}\n", ToString(measured.error()));
+  fmt::print("phones report at {} Hz for {} s; {} processors, load {} at the beginning\n", flags.hz,
+             flags.seconds, std::thread::hardware_concurrency(), Load());
+  const auto fail = [](const Error& error) {
+    fmt::print("{}\n", ToString(error));
+    return 1;
+  };
+  std::vector<Row> rows;
+  PrintHead();
+  for (const std::string& layout : flags.layouts) {
+    if (layout == "apps") continue;
+    for (const int phones : layout == "bus" ? std::vector<int>{flags.bus_phones} : flags.phones) {
+      const auto row = layout == "bus" ? MeasureBus(phones, flags)
+                                       : MeasureGateway(layout, phones, flags);
+      if (!row) return fail(row.error());
+      Print(*row);
+      rows.push_back(*row);
     }
   }
-  return 0;
+  PrintGrowth(rows);
+  if (std::ranges::find(flags.layouts, "apps") != flags.layouts.end()) {
+    if (const auto measured = MeasureAppTimes(flags); !measured.ok()) return fail(measured.error());
+  }
+  const bool is_written = (flags.csv.empty() || WriteCsv(rows, flags.csv)) &&
+                          (flags.plot.empty() || WritePlot(rows, flags.plot));
+  if (!is_written) fmt::print("cannot write {} or {}\n", flags.csv, flags.plot);
+  return is_written ? 0 : 1;
 }
 
 }  // namespace
@@ -130,13 +173,36 @@ int Run(const Flags& flags) {
 
 int main(int argc, char** argv) {
   using namespace waymark::bench;
-  CLI::App app("Phones that walk and listen through a gateway: latency, bytes and processor time.",
-               "session_bench");
+  CLI::App app(
+      "Phones that walk, report their poses and listen: latency, bytes, processor time and memory.\n"
+      "Layouts: city and square: one room, its phones spread over a city or packed in a square;\n"
+      "rooms: many rooms, each a square; bus: phones on DDS, without a gateway, in 20 cells;\n"
+      "apps: what the device library sees that joins a room of 100 phones.\n"
+      "Example: session_bench --layouts city,square --phones 10,100,1000 --plot crowd.svg",
+      "session_bench");
   Flags flags;
-  app.add_option("--phones", flags.phones, "how many, each a measurement")->capture_default_str();
-  app.add_option("--per-room", flags.per_room, "who hears each other")->capture_default_str();
+  app.add_option("--layouts", flags.layouts, "what is measured, in this order")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"city", "square", "rooms", "bus", "apps"}))
+      ->capture_default_str();
+  app.add_option("--phones", flags.phones, "how many, each a measurement")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--per-room", flags.per_room, "phones of a room, of layout rooms")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--bus-phones", flags.bus_phones, "phones of layout bus")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--city", flags.city_m, "edge of the city, m")->capture_default_str();
+  app.add_option("--square", flags.square_m, "edge of a square, m")->capture_default_str();
   app.add_option("--seconds", flags.seconds, "of each measurement")->capture_default_str();
   app.add_option("--hz", flags.hz, "pose reports of a phone")->capture_default_str();
+  app.add_option("--joins", flags.joins, "late joins of layout apps")->capture_default_str();
+  app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")->capture_default_str();
+  app.add_option("--csv", flags.csv, "file for all figures");
+  app.add_option("--plot", flags.plot, "file for a plot of latency and bytes, SVG");
   int domain = 0, outcome = -1;
   app.add_subcommand("server", "")->group("")->callback([&] { outcome = RunServer(); });
   CLI::App* const gateway = app.add_subcommand("gateway", "")->group("");
