@@ -8,6 +8,7 @@ namespace waymark::demo {
 namespace {
 
 constexpr std::size_t kFramesForAView = 10;
+constexpr std::size_t kFramesForAgreement = 30;
 
 /// Where a phone shows a point of the map at one frame.
 Eigen::Vector3d ShownInWorld(const Rigid3& true_world_from_camera,
@@ -26,18 +27,46 @@ Eigen::Vector3d ComponentwiseMedian(const std::vector<Eigen::Vector3d>& points) 
   return median;
 }
 
-std::optional<Eigen::Vector3d> ShownAtTheEnd(const WalkedPhone& phone,
-                                             const Eigen::Vector3d& anchor_in_map) {
+/// In the phone's last frames, newest first.
+std::vector<Eigen::Vector3d> ShownLately(const WalkedPhone& phone,
+                                         const Eigen::Vector3d& anchor_in_map, std::size_t frames) {
   std::vector<Eigen::Vector3d> shown;
   const auto& track = phone.result.track;
-  for (auto point = track.rbegin(); point != track.rend() && shown.size() < kFramesForAView;
-       ++point) {
+  for (auto point = track.rbegin(); point != track.rend() && shown.size() < frames; ++point) {
     const auto truth = phone.truth.find(point->image);
     if (!point->map_from_camera || truth == phone.truth.end()) continue;
     shown.push_back(ShownInWorld(truth->second, *point->map_from_camera, anchor_in_map));
   }
+  return shown;
+}
+
+std::optional<Eigen::Vector3d> ShownAtTheEnd(const WalkedPhone& phone,
+                                             const Eigen::Vector3d& anchor_in_map) {
+  const auto shown = ShownLately(phone, anchor_in_map, kFramesForAView);
   if (shown.empty()) return std::nullopt;
   return ComponentwiseMedian(shown);
+}
+
+void MeasureAgreement(const std::vector<WalkedPhone>& phones, AnchorFigures& figures) {
+  std::vector<std::vector<Eigen::Vector3d>> shown;
+  for (const auto& phone : phones) {
+    for (const auto& anchor : phone.result.anchors) {
+      if (anchor.id != figures.id) continue;
+      shown.push_back(
+          ShownLately(phone, anchor.map_from_anchor.translation(), kFramesForAgreement));
+    }
+  }
+  std::vector<double> apart_cm;
+  for (std::size_t a = 0; a < shown.size(); ++a) {
+    for (std::size_t b = a + 1; b < shown.size(); ++b) {
+      for (std::size_t i = 0; i < std::min(shown[a].size(), shown[b].size()); ++i) {
+        apart_cm.push_back(100 * (shown[a][i] - shown[b][i]).norm());
+      }
+    }
+  }
+  figures.agreement_pairs = static_cast<int>(apart_cm.size());
+  figures.agreement_p50_cm = Quantile(apart_cm, 0.5);
+  figures.agreement_p95_cm = Quantile(apart_cm, 0.95);
 }
 
 AnchorView ViewOf(const WalkedPhone& phone, const std::string& anchor_id) {
@@ -115,6 +144,7 @@ std::vector<AnchorFigures> AssessAnchors(const std::vector<WalkedPhone>& phones)
     AnchorFigures figures{.id = *owner.result.placed, .owner = owner.result.name, .views = {}};
     for (const auto& phone : phones) figures.views.push_back(ViewOf(phone, figures.id));
     MeasureSpread(figures);
+    MeasureAgreement(phones, figures);
     all.push_back(std::move(figures));
   }
   return all;

@@ -47,6 +47,10 @@ struct AnchorFigures {
   std::string owner;
   std::vector<AnchorView> views;
   double spread_cm = 0;  ///< largest distance between two phones' views
+  /// Distance between where two phones show it, frame by frame: over every pair of phones and the
+  /// last frames of both.
+  double agreement_p50_cm = 0, agreement_p95_cm = 0;
+  int agreement_pairs = 0;  ///< of frames
 };
 
 PhoneFigures AssessPhone(const WalkedPhone& phone, const MapAlignment& alignment);

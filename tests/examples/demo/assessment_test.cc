@@ -54,6 +54,9 @@ TEST(Assessment, AnAnchorIsShownWhereThePhonesErrorPutsIt) {
   const auto anchors = AssessAnchors({owner, Walker("other", {-0.1, 0, 0})});
   ASSERT_EQ(anchors.size(), 1u);
   EXPECT_NEAR(anchors[0].spread_cm, 10, 1e-6);
+  EXPECT_EQ(anchors[0].agreement_pairs, 19) << "frames of which both know where they were";
+  EXPECT_NEAR(anchors[0].agreement_p50_cm, 10, 1e-6);
+  EXPECT_NEAR(anchors[0].agreement_p95_cm, 10, 1e-6);
   EXPECT_LT((*anchors[0].views[0].shown_in_world - kAnchorInMap).norm(), 1e-9);
   EXPECT_LT(
       (*anchors[0].views[1].shown_in_world - kAnchorInMap - Eigen::Vector3d(0.1, 0, 0)).norm(),
