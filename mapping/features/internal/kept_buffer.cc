@@ -40,18 +40,17 @@ class Pool {
     return block;
   }
 
+  /// Keeps it, if need be in the place of smaller ones.
   void Return(Block block) {
     madvise(block.data, block.size, MADV_FREE);
-    {
-      const std::lock_guard lock(mutex_);
-      in_use_ -= block.size;
-      if (kept_bytes_ + block.size <= most_in_use_) {
-        kept_.emplace(block.size, block.data);
-        kept_bytes_ += block.size;
-        return;
-      }
+    const std::lock_guard lock(mutex_);
+    in_use_ -= block.size;
+    kept_.emplace(block.size, block.data);
+    kept_bytes_ += block.size;
+    while (kept_bytes_ > most_in_use_) {
+      const Block smallest = Remove(kept_.begin());
+      munmap(smallest.data, smallest.size);
     }
-    munmap(block.data, block.size);
   }
 
  private:
@@ -62,12 +61,17 @@ class Pool {
     auto found = kept_.lower_bound(size);
     const bool fits = found != kept_.end();
     if (!fits) --found;
-    const Block block{found->second, found->first};
-    kept_.erase(found);
-    kept_bytes_ -= block.size;
+    const Block block = Remove(found);
     if (fits) return block;
     munmap(block.data, block.size);
     return {};
+  }
+
+  Block Remove(std::multimap<std::size_t, void*>::iterator kept) {
+    const Block block{kept->second, kept->first};
+    kept_.erase(kept);
+    kept_bytes_ -= block.size;
+    return block;
   }
 
   std::mutex mutex_;
