@@ -26,12 +26,10 @@ inline void SampleGrid(const DescriptorWindow& window, const Grid& grid, float* 
     const Ints column = ToInts(Min(x, Set(last_x - 1))), row = ToInts(Min(y, Set(last_y - 1)));
     const Floats fx = x - ToFloats(column), fy = y - ToFloats(row);
     const Ints index = row * stride + column;
-    const Floats top_left = Gather(plane.data, index);
-    const Floats top_right = Gather(plane.data + 1, index);
-    const Floats bottom_left = Gather(plane.data + stride, index);
-    const Floats bottom_right = Gather(plane.data + stride + 1, index);
-    const Floats top = top_left + fx * (top_right - top_left);
-    const Floats bottom = bottom_left + fx * (bottom_right - bottom_left);
+    const Pairs above = GatherPairs(plane.data, index);
+    const Pairs below = GatherPairs(plane.data + stride, index);
+    const Floats top = above.first + fx * (above.second - above.first);
+    const Floats bottom = below.first + fx * (below.second - below.first);
     Store(samples + i, top + fy * (bottom - top));
   }
 }

@@ -71,9 +71,6 @@ inline Floats Max(Floats a, Floats b) { return _mm512_maskz_max_ps(kAll, a, b); 
 inline Floats Min(Floats a, Floats b) { return _mm512_maskz_min_ps(kAll, a, b); }
 inline Floats Abs(Floats a) { return _mm512_abs_ps(a); }
 inline Floats Sqrt(Floats a) { return _mm512_maskz_sqrt_ps(kAll, a); }
-inline Floats Gather(const float* base, Ints index) {
-  return _mm512_mask_i32gather_ps(Floats{}, kAll, reinterpret_cast<__m512i>(index), base, 4);
-}
 
 #elif defined(__AVX2__)
 
@@ -90,9 +87,6 @@ inline Floats Max(Floats a, Floats b) { return _mm256_max_ps(a, b); }
 inline Floats Min(Floats a, Floats b) { return _mm256_min_ps(a, b); }
 inline Floats Abs(Floats a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0F), a); }
 inline Floats Sqrt(Floats a) { return _mm256_sqrt_ps(a); }
-inline Floats Gather(const float* base, Ints index) {
-  return _mm256_i32gather_ps(base, reinterpret_cast<__m256i>(index), 4);
-}
 
 #else
 
@@ -117,13 +111,54 @@ inline Floats Sqrt(Floats a) {
   for (int lane = 0; lane < kLanes; ++lane) a[lane] = __builtin_sqrtf(a[lane]);
   return a;
 }
-inline Floats Gather(const float* base, Ints index) {
-  Floats value;
-  for (int lane = 0; lane < kLanes; ++lane) value[lane] = base[index[lane]];
-  return value;
-}
 
 #endif
+
+/// Neighbouring floats from kLanes places: base[index] and base[index + 1]. Both at once are half
+/// the loads of one after the other.
+struct Pairs {
+  Floats first;
+  Floats second;
+};
+
+inline Pairs GatherPairs(const float* base, Ints index) {
+#if defined(__AVX512VL__)
+  __m256i places[2];
+  __builtin_memcpy(places, &index, sizeof index);
+  const auto pairs = [&](__m256i half) {
+    return reinterpret_cast<Floats>(
+        _mm512_mask_i32gather_pd(__m512d{}, 0xFF, half, base, sizeof(float)));
+  };
+  const Floats low = pairs(places[0]), high = pairs(places[1]);
+  const Ints even{0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30};
+  const auto permute = [&](Ints from) -> Floats {
+    return _mm512_permutex2var_ps(low, reinterpret_cast<__m512i>(from), high);
+  };
+  return {permute(even), permute(even + 1)};
+#elif defined(__AVX2__)
+  __m128i places[2];
+  __builtin_memcpy(places, &index, sizeof index);
+  const auto pairs = [&](__m128i half) {
+    const auto all = reinterpret_cast<__m256d>(Ints{} == Ints{});
+    return reinterpret_cast<Floats>(_mm256_mask_i32gather_pd(
+        __m256d{}, reinterpret_cast<const double*>(base), half, all, sizeof(float)));
+  };
+  const Floats low = pairs(places[0]), high = pairs(places[1]);
+  const auto in_order = [](Floats quarters) {
+    return reinterpret_cast<Floats>(
+        _mm256_permute4x64_pd(reinterpret_cast<__m256d>(quarters), 0b11'01'10'00));
+  };
+  return {in_order(_mm256_shuffle_ps(low, high, 0b10'00'10'00)),
+          in_order(_mm256_shuffle_ps(low, high, 0b11'01'11'01))};
+#else
+  Pairs pairs;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    pairs.first[lane] = base[index[lane]];
+    pairs.second[lane] = base[index[lane] + 1];
+  }
+  return pairs;
+#endif
+}
 
 /// even[0], odd[0], even[1], … : twice kLanes floats.
 inline void StoreInterleaved(float* to, Floats even, Floats odd) {
