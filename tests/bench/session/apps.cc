@@ -56,11 +56,13 @@ Result<AppTimes> MeasureApps(const std::string& server, int domain, const std::s
   WAYMARK_TRY_ASSIGN(const auto placing, DeviceSession::Join(options));
   WAYMARK_TRY_ASSIGN(const auto watching, DeviceSession::Join(options));
   support::StandingPhone phone(*placing, {3, 4, 1});
-  if (!phone.Localise()) return MakeError(ErrorCode::kTimeout, "the placing phone is not localised");
+  if (!phone.Localise())
+    return MakeError(ErrorCode::kTimeout, "the placing phone is not localised");
   for (int i = 0; i < anchors; ++i) {
     phone.Live();
-    WAYMARK_TRY_ASSIGN(const SharedAnchor placed,
-                       placing->PlaceAnchor({Eigen::Quaterniond::Identity(), {2, 0, 0}}, "note", "x"));
+    WAYMARK_TRY_ASSIGN(
+        const SharedAnchor placed,
+        placing->PlaceAnchor({Eigen::Quaterniond::Identity(), {2, 0, 0}}, "note", "x"));
     const auto acknowledged = Clock::now();
     if (!Await([&] { return support::FindAnchor(*watching, placed.id).has_value(); })) {
       return MakeError(ErrorCode::kTimeout, "anchor {}: the other phone never had it",

@@ -26,10 +26,10 @@ struct BusCrowd::Phone {
   Phone(int number, const Eigen::Vector3d& cell)
       : walker(static_cast<std::uint64_t>(number), kCell_m / 2),
         middle(cell),
-        hello{.device = DeviceId(
-                  FormatUuid(UuidFromBits(kSeed, static_cast<std::uint64_t>(number)))),
-              .room = RoomId("square"),
-              .name = fmt::format("phone {}", number)} {}
+        hello{
+            .device = DeviceId(FormatUuid(UuidFromBits(kSeed, static_cast<std::uint64_t>(number)))),
+            .room = RoomId("square"),
+            .name = fmt::format("phone {}", number)} {}
 
   void On(const wire::DeviceLink::Event& event) {
     const auto* const message = std::get_if<wire::Downward>(&event);
@@ -80,13 +80,12 @@ Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(int domain, int phones, int 
     }
     constexpr int kAcross = 5;  // cells side by side
     const int cell = i % cells;
-    auto phone = std::make_unique<Phone>(
-        i, kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
+    auto phone =
+        std::make_unique<Phone>(i, kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
     WAYMARK_TRY_ASSIGN(phone->bus,
-                       wire::DeviceBus::Create(participant, phone->hello.room, phone->hello.device,
-                                               [raw = phone.get()](const wire::DeviceLink::Event& e) {
-                                                 raw->On(e);
-                                               }));
+                       wire::DeviceBus::Create(
+                           participant, phone->hello.room, phone->hello.device,
+                           [raw = phone.get()](const wire::DeviceLink::Event& e) { raw->On(e); }));
     crowd->phones_.push_back(std::move(phone));
   }
   return crowd;
@@ -106,12 +105,13 @@ Result<double> BusCrowd::JoinAll() {
   }
 }
 
-std::vector<Heard> BusCrowd::Walk(double hz, double seconds) {
+Walked BusCrowd::Walk(double hz, double seconds) {
   const auto begin = Clock::now();
   const auto steps = static_cast<std::uint32_t>(hz * (1 + seconds));
   for (std::uint32_t step = 0; step < steps; ++step) {
     for (std::size_t i = 0; i < phones_.size(); ++i) {
-      const double due_s = (step + static_cast<double>(i) / static_cast<double>(phones_.size())) / hz;
+      const double due_s =
+          (step + static_cast<double>(i) / static_cast<double>(phones_.size())) / hz;
       std::this_thread::sleep_until(begin + std::chrono::duration_cast<Clock::duration>(
                                                 std::chrono::duration<double>(due_s)));
       phones_[i]->Report(step);
@@ -121,13 +121,14 @@ std::vector<Heard> BusCrowd::Walk(double hz, double seconds) {
       }
     }
   }
-  std::vector<Heard> heard;
+  // The first second did not count.
+  Walked walked{.heard = {}, .seconds = Seconds(Clock::now() - begin) - 1};
   for (const auto& phone : phones_) {
     const std::lock_guard lock(phone->mutex);
     phone->is_counted = false;
-    heard.push_back(std::exchange(phone->heard, {}));
+    walked.heard.push_back(std::exchange(phone->heard, {}));
   }
-  return heard;
+  return walked;
 }
 
 }  // namespace waymark::bench

@@ -18,7 +18,7 @@ class BusCrowd {
 
   /// As Crowd.
   Result<double> JoinAll();
-  std::vector<Heard> Walk(double hz, double seconds);
+  Walked Walk(double hz, double seconds);
 
  private:
   struct Phone;

@@ -7,6 +7,7 @@
 #include <array>
 #include <utility>
 
+#include "mapping/base/log.h"
 #include "session/wire/frames.h"
 
 namespace waymark::bench {
@@ -89,6 +90,9 @@ void Crowd::OnMessage(Phone& phone, std::span<const std::uint8_t> message) {
   const auto decoded = wire::DecodeDownward(message);
   if (!decoded) return;
   if (const auto* welcome = std::get_if<Welcome>(&*decoded)) {
+    if (welcome->verdict != JoinVerdict::kAccepted) {
+      return LogWarning("{}: {}", phone.hello.name, welcome->reason);
+    }
     phone.ticket = welcome->ticket;
     ++welcome_;
   } else if (const auto* batch = std::get_if<PoseBatch>(&*decoded)) {
@@ -104,7 +108,11 @@ Result<double> Crowd::JoinAll() {
                        phones_.size());
     }
     for (const auto& phone : phones_) {
-      if (phone->ticket == Ticket{}) phone->Say(phone->hello);
+      if (phone->ticket == Ticket{}) {
+        phone->Say(phone->hello);
+      } else {
+        phone->Say(ClockPing{phone->ticket, phone->pings++, {}});  // who is silent is gone
+      }
     }
     const auto again = Clock::now() + std::chrono::milliseconds(300);
     while (welcome_ < phones_.size() && Clock::now() < again) {
@@ -115,7 +123,7 @@ Result<double> Crowd::JoinAll() {
 }
 
 // Phones report one after the other, spread over the period as they are in life.
-std::vector<Heard> Crowd::Walk(double seconds) {
+Walked Crowd::Walk(double seconds) {
   const auto begin = Clock::now();
   const auto step_for = [&](double duration_s, std::uint32_t first) {
     const auto steps = first + static_cast<std::uint32_t>(options_.hz * duration_s);
@@ -131,11 +139,12 @@ std::vector<Heard> Crowd::Walk(double seconds) {
   };
   const std::uint32_t warm = step_for(1, 0);
   is_counting_ = true;
+  const auto counted = Clock::now();
   step_for(seconds, warm);
   is_counting_ = false;
-  std::vector<Heard> heard;
-  for (const auto& phone : phones_) heard.push_back(std::exchange(phone->heard, {}));
-  return heard;
+  Walked walked{.heard = {}, .seconds = Seconds(Clock::now() - counted)};
+  for (const auto& phone : phones_) walked.heard.push_back(std::exchange(phone->heard, {}));
+  return walked;
 }
 
 }  // namespace waymark::bench

@@ -9,8 +9,8 @@
 
 namespace waymark::bench {
 
-/// Many phones in one thread, which walk, report their poses and listen, each on a connection of its
-/// own to a gateway.
+/// Many phones in one thread, which walk, report their poses and listen, each on a connection of
+/// its own to a gateway.
 class Crowd {
  public:
   struct Options {
@@ -27,7 +27,7 @@ class Crowd {
   /// Waits until all are welcome; says how long it took. Errors: Timeout (a minute).
   Result<double> JoinAll();
   /// All report poses for so long; what is heard after the first second is counted.
-  std::vector<Heard> Walk(double seconds);
+  Walked Walk(double seconds);
   /// Connections that ended meanwhile.
   int Lost() const { return lost_; }
 

@@ -65,18 +65,18 @@ std::uint16_t PortOf(const Child& gateway) {
 
 /// Lets a crowd walk and says what it cost meanwhile.
 template <typename Walk>
-void Observe(const Child& server, const Child* gateway, double seconds, const Walk& walk, Row& row) {
+void Observe(const Child& server, const Child* gateway, const Walk& walk, Row& row) {
   const double server_s = server.CpuS(), gateway_s = gateway ? gateway->CpuS() : 0;
   const double own_s = OwnCpuS();
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<Heard> heard = walk();
+  const Walked walked = walk();
   const double wall_s = Seconds(std::chrono::steady_clock::now() - begin);
   row.server_cores = (server.CpuS() - server_s) / wall_s;
   row.gateway_cores = gateway ? (gateway->CpuS() - gateway_s) / wall_s : 0;
   row.generator_cores = (OwnCpuS() - own_s) / wall_s;
   row.server_mib = server.MemoryMib();
   row.gateway_mib = gateway ? gateway->MemoryMib() : 0;
-  Summarise(heard, seconds, row);
+  Summarise(walked, session::ServerOptions().tick_hz, row);
 }
 
 Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& flags) {
@@ -88,7 +88,8 @@ Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& f
   WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
   Row row{.layout = layout, .phones = phones};
   WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
-  Observe(server, &gateway, flags.seconds, [&] { return crowd->Walk(flags.seconds); }, row);
+  Observe(
+      server, &gateway, [&] { return crowd->Walk(flags.seconds); }, row);
   if (crowd->Lost() > 0) fmt::print("{} connections ended\n", crowd->Lost());
   return row;
 }
@@ -99,7 +100,8 @@ Result<Row> MeasureBus(int phones, const Flags& flags) {
   WAYMARK_TRY_ASSIGN(const auto crowd, BusCrowd::Connect(std::stoi(server.line()), phones, kCells));
   Row row{.layout = "bus", .phones = phones};
   WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
-  Observe(server, nullptr, flags.seconds, [&] { return crowd->Walk(flags.hz, flags.seconds); }, row);
+  Observe(
+      server, nullptr, [&] { return crowd->Walk(flags.hz, flags.seconds); }, row);
   return row;
 }
 
@@ -109,16 +111,17 @@ Result<void> MeasureAppTimes(const Flags& flags) {
   for (const bool is_direct : {false, true}) {
     WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
     WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-    WAYMARK_TRY_ASSIGN(const auto crowd,
-                       Crowd::Connect(PortOf(gateway), {.phones = kOthers, .edge_m = flags.square_m}));
+    WAYMARK_TRY_ASSIGN(
+        const auto crowd,
+        Crowd::Connect(PortOf(gateway), {.phones = kOthers, .edge_m = flags.square_m}));
     WAYMARK_TRY(crowd->JoinAll());
     std::atomic<bool> is_over = false;
     std::thread walking([&] {
       while (!is_over) (void)crowd->Walk(0.1);
     });
-    const auto times = MeasureApps(
-        is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
-        std::stoi(server.line()), "room0", kOthers, flags.joins, flags.anchors);
+    const auto times =
+        MeasureApps(is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
+                    std::stoi(server.line()), "room0", kOthers, flags.joins, flags.anchors);
     is_over = true;
     walking.join();
     if (!times) return times.error();
@@ -151,8 +154,8 @@ int Run(const Flags& flags) {
   for (const std::string& layout : flags.layouts) {
     if (layout == "apps") continue;
     for (const int phones : layout == "bus" ? std::vector<int>{flags.bus_phones} : flags.phones) {
-      const auto row = layout == "bus" ? MeasureBus(phones, flags)
-                                       : MeasureGateway(layout, phones, flags);
+      const auto row =
+          layout == "bus" ? MeasureBus(phones, flags) : MeasureGateway(layout, phones, flags);
       if (!row) return fail(row.error());
       Print(*row);
       rows.push_back(*row);
@@ -174,7 +177,8 @@ int Run(const Flags& flags) {
 int main(int argc, char** argv) {
   using namespace waymark::bench;
   CLI::App app(
-      "Phones that walk, report their poses and listen: latency, bytes, processor time and memory.\n"
+      "Phones that walk, report their poses and listen: latency, bytes, processor time and "
+      "memory.\n"
       "Layouts: city and square: one room, its phones spread over a city or packed in a square;\n"
       "rooms: many rooms, each a square; bus: phones on DDS, without a gateway, in 20 cells;\n"
       "apps: what the device library sees that joins a room of 100 phones.\n"
@@ -200,7 +204,8 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", flags.seconds, "of each measurement")->capture_default_str();
   app.add_option("--hz", flags.hz, "pose reports of a phone")->capture_default_str();
   app.add_option("--joins", flags.joins, "late joins of layout apps")->capture_default_str();
-  app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")->capture_default_str();
+  app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")
+      ->capture_default_str();
   app.add_option("--csv", flags.csv, "file for all figures");
   app.add_option("--plot", flags.plot, "file for a plot of latency and bytes, SVG");
   int domain = 0, outcome = -1;

@@ -40,30 +40,20 @@ double Quantile(std::vector<float> values, double share) {
   return *at;
 }
 
-void Summarise(const std::vector<Heard>& heard, double seconds, Row& row) {
-  std::uint32_t first = UINT32_MAX, last = 0;
-  for (const Heard& phone : heard) {
-    if (phone.ticks.empty()) continue;
-    first = std::min(first, phone.ticks.front());
-    last = std::max(last, phone.ticks.back());
-  }
-  std::set<std::uint32_t> ticks;
-  for (const Heard& phone : heard) ticks.insert(phone.ticks.begin(), phone.ticks.end());
-  // The first and the last tick are cut by the beginning and the end of counting.
+void Summarise(const Walked& walked, double tick_hz, Row& row) {
   std::vector<float> ages_ms, legs_ms;
   double came = 0, bytes = 0, poses = 0;
-  for (const Heard& phone : heard) {
-    const std::set<std::uint32_t> own(phone.ticks.begin(), phone.ticks.end());
-    came += static_cast<double>(own.size() - own.count(first) - own.count(last));
+  for (const Heard& phone : walked.heard) {
+    came += static_cast<double>(std::set(phone.ticks.begin(), phone.ticks.end()).size());
     bytes += static_cast<double>(phone.bytes);
     poses += static_cast<double>(phone.poses);
     ages_ms.insert(ages_ms.end(), phone.ages_ms.begin(), phone.ages_ms.end());
     legs_ms.insert(legs_ms.end(), phone.legs_ms.begin(), phone.legs_ms.end());
   }
-  const auto count = static_cast<double>(heard.size());
-  row.delivered = ticks.size() > 2 ? came / count / static_cast<double>(ticks.size() - 2) : 0;
-  row.bytes_per_s = bytes / count / seconds;
-  row.poses_per_s = poses / count / seconds;
+  const auto count = static_cast<double>(walked.heard.size());
+  row.delivered = came / count / (tick_hz * walked.seconds);
+  row.bytes_per_s = bytes / count / walked.seconds;
+  row.poses_per_s = poses / count / walked.seconds;
   row.age_p50_ms = Quantile(ages_ms, 0.5);
   row.age_p99_ms = Quantile(ages_ms, 0.99);
   row.leg_p50_ms = Quantile(legs_ms, 0.5);
@@ -136,9 +126,8 @@ class Diagram {
     }
     for (const double phones : {10.0, 30.0, 100.0, 300.0, 1000.0}) {
       if (phones > max_phones * 1.01) continue;
-      svg_ += fmt::format(
-          "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", X(phones),
-          kTop + kHeight + 18, phones);
+      svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                          X(phones), kTop + kHeight + 18, phones);
     }
     svg_ += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">phones</text>\n",
                         left_ + kWidth / 2, kTop + kHeight + 36);
@@ -150,7 +139,8 @@ class Diagram {
     for (const Row& row : rows) {
       const double x = X(row.phones), y = Y(row.*figure / unit);
       points += fmt::format("{:.1f},{:.1f} ", x, y);
-      svg_ += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", x, y, colour);
+      svg_ +=
+          fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\" fill=\"{}\"/>\n", x, y, colour);
     }
     svg_ += fmt::format(
         "<polyline points=\"{0}\" fill=\"none\" stroke=\"{1}\" stroke-width=\"1.5\"/>"
@@ -196,7 +186,8 @@ bool WritePlot(const std::vector<Row>& rows, const std::string& path) {
   for (const Row& row : rows) max_phones = std::max(max_phones, 1.0 * row.phones);
   Diagram latency(60, "report to hearing it, ms", RoundUp(Largest(rows, &Row::age_p99_ms)),
                   max_phones);
-  Diagram bytes(440, "kB/s to a phone", RoundUp(Largest(rows, &Row::bytes_per_s) / 1e3), max_phones);
+  Diagram bytes(440, "kB/s to a phone", RoundUp(Largest(rows, &Row::bytes_per_s) / 1e3),
+                max_phones);
   const std::vector<std::pair<std::string, std::string>> colours{
       {"#1f5fa8", "#8fb4dc"}, {"#c0561a", "#e8b08c"}, {"#2d7d46", "#97cfa8"}};
   std::size_t next = 0;

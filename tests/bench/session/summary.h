@@ -13,19 +13,19 @@ struct Row {
   std::string layout;
   int phones = 0;
   double join_s = 0;
-  double delivered = 0;  ///< share of the ticks' frames that came
+  double delivered = 0;  ///< share of the frames that were due
   double age_p50_ms = 0, age_p99_ms = 0;
   double leg_p50_ms = 0, leg_p99_ms = 0;
-  double poses_per_s = 0, bytes_per_s = 0;                         ///< to one phone
+  double poses_per_s = 0, bytes_per_s = 0;                          ///< to one phone
   double server_cores = 0, gateway_cores = 0, generator_cores = 0;  ///< processor time per time
   double server_mib = 0, gateway_mib = 0;
 };
 
 double Quantile(std::vector<float> values, double share);
 
-/// Fills in what the phones heard. A frame is due to every phone at every tick of which any phone
-/// had one.
-void Summarise(const std::vector<Heard>& heard, double seconds, Row& row);
+/// Fills in what the phones heard. Everybody has a companion who moves, so a frame is due to every
+/// phone at every tick, also at one that the server was too busy for.
+void Summarise(const Walked& walked, double tick_hz, Row& row);
 
 void PrintHead();
 void Print(const Row& row);

@@ -16,32 +16,34 @@ inline ServerTime Now() {
       std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// Somebody who walks in a circle of 5 m around a place.
+/// Somebody who walks in a circle of 5 m around a place, with a companion: two by two they have the
+/// same place.
 class Walker {
  public:
   Walker(std::uint64_t number, double edge_m) : number_(number) {
-    std::mt19937_64 random(number);
+    std::mt19937_64 random(number / 2);
     std::uniform_real_distribution<double> place(-edge_m / 2, edge_m / 2), turn(0, 6.28);
     x_m_ = place(random);
     y_m_ = place(random);
-    phase_ = turn(random);
+    phase_ = turn(random) + static_cast<double>(number % 2);
   }
 
   std::uint64_t number() const { return number_; }
   session::LivePose PoseAt(ServerTime time) const {
     constexpr double kRadius_m = 5, kSpeed_mps = 1.4;
     const double angle =
-        phase_ + kSpeed_mps / kRadius_m * std::chrono::duration<double>(time.time_since_epoch()).count();
+        phase_ +
+        kSpeed_mps / kRadius_m * std::chrono::duration<double>(time.time_since_epoch()).count();
     const Eigen::Vector3d outward(std::cos(angle), std::sin(angle), 0);
     const Eigen::Vector3d ahead(-outward.y(), outward.x(), 0);
-    return {.epoch = 1,
-            .time = time,
-            .map_from_device = {Eigen::Quaterniond(
-                                    Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
-                                Eigen::Vector3d(x_m_, y_m_, 1.5) + kRadius_m * outward},
-            .sigma_m = 0.05,
-            .velocity_in_map = kSpeed_mps * ahead,
-            .gaze_in_map = ahead};
+    return {
+        .epoch = 1,
+        .time = time,
+        .map_from_device = {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
+                            Eigen::Vector3d(x_m_, y_m_, 1.5) + kRadius_m * outward},
+        .sigma_m = 0.05,
+        .velocity_in_map = kSpeed_mps * ahead,
+        .gaze_in_map = ahead};
   }
 
  private:
@@ -56,6 +58,12 @@ struct Heard {
   std::vector<float> legs_ms;        ///< from the server's tick to hearing of it
   std::uint64_t poses = 0;
   std::uint64_t bytes = 0;  ///< of all messages
+};
+
+/// A crowd while it was counted.
+struct Walked {
+  std::vector<Heard> heard;
+  double seconds = 0;  ///< a machine that is too busy takes longer than it was told
 };
 
 /// Counts a batch; of the ages every eighth batch, which is plenty.

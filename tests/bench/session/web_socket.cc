@@ -70,10 +70,11 @@ Result<WebSocket> WebSocket::Connect(std::uint16_t port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(port);
   const auto fail = [&](const char* what) {
-    return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: {} failed: error {}", port, what, errno);
+    return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: {} failed: error {}", port, what,
+                     errno);
   };
-  if (::connect(socket.descriptor_, reinterpret_cast<const sockaddr*>(&address),
-                sizeof address) != 0) {
+  if (::connect(socket.descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
+      0) {
     return fail("connecting");
   }
   const int no_delay = 1;
