@@ -25,7 +25,6 @@ struct Arguments {
   std::string folder;
   std::vector<std::string> experiences{"day"};
   std::string phone_light;
-  bool is_quick = false;
   bool is_distorted = false;
 };
 
@@ -58,8 +57,11 @@ void AddCityOptions(CLI::App& city, Arguments& arguments) {
   city.add_option("--threads", o.parallelism.threads, "0: one per core")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  city.add_flag("--quick", arguments.is_quick,
-                "a tiny world for tests: coarse textures, 320 x 240, few pictures");
+  city.add_flag_callback(
+          "--quick", [&o] { MakeQuick(o); },
+          "a tiny world for tests: coarse textures, 320 x 240, few pictures; other options still "
+          "count")
+      ->trigger_on_parse();
 }
 
 int Fail(const waymark::Error& error) {
@@ -69,7 +71,6 @@ int Fail(const waymark::Error& error) {
 
 int SimulateCity(Arguments& arguments) {
   SimulationOptions& options = arguments.options;
-  if (arguments.is_quick) MakeQuick(options);
   if (arguments.is_distorted) options.car.camera.lens = Lens::kDistorted;
   options.city.parallelism = options.parallelism;
   options.experiences.clear();
