@@ -86,9 +86,12 @@ void JudgeScale(const GnssShape& pass, const VerificationOptions& options, Findi
   };
   if (!pass.scale_by_road) return add(pass.scale, findings.scale_drift);
   add(*pass.scale_by_road, findings.road_drift);
-  const bool gnss_denies = pass.scale.metres > bound(pass.scale);
-  const bool road_agrees = pass.scale_by_road->metres <= bound(*pass.scale_by_road);
-  if (gnss_denies && road_agrees && pass.scale.metres > bound(*pass.scale_by_road)) {
+  constexpr double kKnown = 4;  // tolerated errors: a road known no better overrules nobody
+  const double road_bound = bound(*pass.scale_by_road);
+  const bool road_agrees = pass.scale_by_road->metres <= road_bound &&
+                           road_bound <= kKnown * options.max_shape_error_m;
+  const bool gnss_denies = pass.scale.metres > std::max(road_bound, bound(pass.scale));
+  if (gnss_denies && road_agrees) {
     add(pass.scale, findings.gnss_lie);
   } else {
     add(*pass.scale_by_both, findings.scale_drift);

@@ -47,6 +47,16 @@ void PrintRow(std::size_t passes, const mapping::MapReport& report, double error
   std::fflush(stdout);
 }
 
+/// Where the time went, on the clock.
+void PrintStages(const mapping::MapReport& report) {
+  fmt::print("\n{:24} {:>14} {:>10} {:>12}\n", "stage", "units", "seconds", "s per unit");
+  for (const mapping::StageRow& row : report.stages) {
+    fmt::print("{:24} {:>14} {:>10.1f} {:>12.3f}\n", row.stage,
+               fmt::format("{} {}", row.units, row.unit), row.total_s,
+               row.units == 0 ? 0 : row.total_s / static_cast<double>(row.units));
+  }
+}
+
 Result<void> Evaluate(const Arguments& arguments) {
   const ScratchFolder scratch(arguments.keep);
   const fs::path map = scratch.path() / "map";
@@ -58,6 +68,7 @@ Result<void> Evaluate(const Arguments& arguments) {
   fmt::print("{:>6} {:>9} {:>9} {:>10} {:>9} {:>14} {:>8} {:>11}\n", "passes", "submaps",
              "accepted", "success", "places", "reconstructed", "yield", "error rms");
   demo::TruePoses truth;
+  mapping::MapReport report;
   for (std::size_t i = 0; i < drives.size(); ++i) {
     SpoilPlan plan = arguments.plan;
     plan.seed += i;
@@ -72,10 +83,11 @@ Result<void> Evaluate(const Arguments& arguments) {
         ExecutableFolder() / "waymark-map",
         {"add", map, drive, "--subset-radius", arguments.subset_radius_m, "--progress", "plain"},
         scratch.path() / "map.log"));
-    WAYMARK_TRY_ASSIGN(const mapping::MapReport report, mapping::ReportMap(map));
+    WAYMARK_TRY_ASSIGN(report, mapping::ReportMap(map));
     WAYMARK_TRY_ASSIGN(const double error_m, MeasureError(map, truth));
     PrintRow(i + 1, report, error_m);
   }
+  PrintStages(report);
   return {};
 }
 
