@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "mapping/base/result.h"
+#include "mapping/estimation/upright_pose.h"
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/rigid3.h"
 
@@ -20,6 +21,8 @@ struct AbsolutePoseOptions {
   double confidence = 0.9999;  ///< that an all-inlier sample was drawn, (0, 1)
   int max_iterations = 10000;
   double focal_sigma_share = 0;  ///< doubt about the camera's focal length, relative; 0: exact
+  /// Which way is up, good to a few degrees: then two matches make a sample instead of three.
+  std::optional<SharedUp> up = std::nullopt;
   std::uint64_t seed = 1;
 
   Result<void> Validate() const;
@@ -35,11 +38,11 @@ struct AbsolutePose {
   int iterations = 0;
 };
 
-/// Estimates where a camera stood from 2D-3D matches: P3P inside a locally optimised robust loop,
-/// then robust refinement over all inliers, of the focal length too where it is in
-/// doubt and the matches contradict it. nullopt:
-/// no pose has enough inliers. Frames:  points and result in one world frame Shapes:  pixels_px and
-/// points_in_world have equal length; `quality` too, or is empty: higher
+/// Estimates where a camera stood from 2D-3D matches: P3P, or two points and gravity, inside a
+/// locally optimised robust loop, then robust refinement over all inliers, of the focal length too
+/// where it is in doubt and the matches contradict it. nullopt: no pose has enough inliers.
+/// Frames:  points and result in one world frame
+/// Shapes:  pixels_px and points_in_world have equal length; `quality` too, or is empty: higher
 ///          is tried first (progressive sampling)
 /// Errors:  InvalidArgument if lengths differ
 /// Source:  OpenGV's P3P (Kneip, CVPR 2011) as minimal solver
