@@ -50,6 +50,12 @@ std::optional<std::string> FindContradiction(const LocalisationRequest& request)
   return std::nullopt;
 }
 
+ImageFeatures Strongest(const ImageFeatures& features, std::size_t count) {
+  const auto end = static_cast<std::ptrdiff_t>(count);
+  return {{features.keypoints.begin(), features.keypoints.begin() + end},
+          {features.descriptors.begin(), features.descriptors.begin() + end}};
+}
+
 bool IsNear(const OpenSubmap& submap, const std::optional<PositionPrior>& prior) {
   if (!prior) return true;
   const Eigen::Vector3d offset =
@@ -60,60 +66,12 @@ bool IsNear(const OpenSubmap& submap, const std::optional<PositionPrior>& prior)
 LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, int min_inliers) {
   const bool has_matches =
       std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
-        return candidate.matches >= static_cast<std::size_t>(min_inliers);
+        return candidate.answer.matches.size() >= static_cast<std::size_t>(min_inliers);
       });
   return has_matches ? LocalisationStatus::kNoConsistentPose : LocalisationStatus::kTooFewMatches;
 }
 
 }  // namespace
-
-std::string_view LocalisationStatusName(LocalisationStatus status) {
-  switch (status) {
-    case LocalisationStatus::kLocalised:
-      return "localised";
-    case LocalisationStatus::kTooFewFeatures:
-      return "too few features";
-    case LocalisationStatus::kNothingNear:
-      return "nothing near";
-    case LocalisationStatus::kTooFewMatches:
-      return "too few matches";
-    case LocalisationStatus::kNoConsistentPose:
-      return "no consistent pose";
-    case LocalisationStatus::kInvalidRequest:
-      return "invalid request";
-  }
-  return "unknown";
-}
-
-Result<void> LocaliserOptions::Validate() const {
-  WAYMARK_TRY(features.Validate());
-  if (min_inliers < 6) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "localiser options: expected min_inliers >= 6, found {}", min_inliers);
-  }
-  if (!(max_error_px > 0) || !std::isfinite(max_error_px)) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "localiser options: expected max_error_px > 0, found {}", max_error_px);
-  }
-  if (!(focal_sigma_share >= 0 && focal_sigma_share < 1)) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "localiser options: expected focal_sigma_share in [0, 1), found {}",
-                     focal_sigma_share);
-  }
-  if (probes < 1) {
-    return MakeError(ErrorCode::kInvalidArgument, "localiser options: expected probes >= 1");
-  }
-  if (!(max_ratio > 0 && max_ratio <= 1)) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "localiser options: expected max_ratio in (0, 1], found {}", max_ratio);
-  }
-  if (!(max_gravity_error.radians() > 0)) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "localiser options: expected max_gravity_error > 0, found {} degrees",
-                     max_gravity_error.degrees());
-  }
-  return {};
-}
 
 struct Localiser::Impl {
   LocaliserOptions options;
@@ -138,7 +96,12 @@ Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
     return answer;
   }
   if (const auto* features = std::get_if<ImageFeatures>(&request.image)) {
-    Search(request, *features, answer);
+    const auto limit = static_cast<std::size_t>(options.features.max_features);
+    if (features->keypoints.size() <= limit) {
+      Search(request, *features, answer);
+    } else {
+      Search(request, Strongest(*features, limit), answer);
+    }
     return answer;
   }
   const Stopwatch watch;
@@ -162,14 +125,18 @@ std::vector<Candidate> Localiser::Impl::Ask(const std::vector<const OpenSubmap*>
   const internal::RankedCells cells = quantiser->Rank(features.descriptors, options.probes);
   times.search_ms += 1e3 * ranking.ElapsedS();
   for (const OpenSubmap* submap : near) {
-    internal::SubmapAnswer answer = submap->localiser().Localise(features, cells, request.camera);
-    times.search_ms += answer.search_ms;
-    times.pose_ms += answer.pose_ms;
-    candidates.push_back(
-        internal::CarryToMap(submap->released(), std::move(answer), request, options));
+    candidates.push_back(internal::CarryToMap(
+        *submap,
+        submap->localiser().Localise(features, cells, internal::SensesIn(*submap, request)),
+        request, options));
   }
   // The most inliers first; the release lists submaps by id, so that ties are settled too.
   std::stable_sort(candidates.begin(), candidates.end(), internal::IsMoreConvincing);
+  if (!candidates.front().pose) internal::TryWithoutGravity(candidates, request, options);
+  for (const Candidate& candidate : candidates) {
+    times.search_ms += candidate.answer.search_ms;
+    times.pose_ms += candidate.answer.pose_ms;
+  }
   return candidates;
 }
 
@@ -200,14 +167,17 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
     return refuse(
         StatusOfRefusals(candidates, options.min_inliers),
         fmt::format("{} features, {} submaps searched; the best, {}: {}", features.keypoints.size(),
-                    near.size(), best.submap->id.text(), best.refusal));
+                    near.size(), best.submap->released().id.text(), best.refusal));
   }
-  if (const auto ambiguity = internal::FindAmbiguity(candidates)) {
+  const Stopwatch ambiguity_watch;
+  const auto ambiguity = internal::FindAmbiguity(candidates, request);
+  answer.times.pose_ms += 1e3 * ambiguity_watch.ElapsedS();
+  if (ambiguity) {
     return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
   }
   refuse(LocalisationStatus::kLocalised,
          fmt::format("{} of {} matches agree in submap {}, one of {} searched", best.pose->inliers,
-                     best.matches, best.submap->id.text(), near.size()));
+                     best.answer.matches.size(), best.submap->released().id.text(), near.size()));
   answer.pose = std::move(best.pose);
 }
 

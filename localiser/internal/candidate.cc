@@ -50,20 +50,29 @@ std::optional<std::string> FindContradiction(const LocalisedPose& pose,
 
 }  // namespace
 
-Candidate CarryToMap(const mapping::ReleasedSubmap& submap, SubmapAnswer answer,
+ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& request) {
+  ImageSenses senses{request.camera, std::nullopt};
+  if (request.up_in_camera) {
+    const Eigen::Quaterniond& map_from_submap = submap.released().map_from_submap.sim().rotation();
+    senses.up = mapping::SharedUp{request.up_in_camera->normalized(),
+                                  map_from_submap.conjugate() * Eigen::Vector3d::UnitZ()};
+  }
+  return senses;
+}
+
+Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
                      const LocalisationRequest& request, const LocaliserOptions& options) {
-  Candidate candidate{.submap = &submap,
-                      .matches = answer.matches,
-                      .pose = std::nullopt,
-                      .refusal = std::move(answer.refusal),
-                      .ambiguity = std::move(answer.ambiguity)};
-  if (!answer.submap_from_camera) return candidate;
-  const mapping::AbsolutePose& pose = *answer.submap_from_camera;
+  Candidate candidate{
+      .submap = &submap, .answer = std::move(answer), .pose = std::nullopt, .refusal = {}};
+  candidate.refusal = candidate.answer.refusal;
+  if (!candidate.answer.submap_from_camera) return candidate;
+  const mapping::ReleasedSubmap& released = submap.released();
+  const mapping::AbsolutePose& pose = *candidate.answer.submap_from_camera;
   const Transform<Submap, Camera> submap_from_camera(pose.world_from_camera);
   LocalisedPose localised{
-      .map_from_camera = CarryPose(submap.map_from_submap, submap_from_camera),
-      .covariance = CarryCovariance(submap.map_from_submap.sim(), pose.covariance),
-      .submap = submap.id,
+      .map_from_camera = CarryPose(released.map_from_submap, submap_from_camera),
+      .covariance = CarryCovariance(released.map_from_submap.sim(), pose.covariance),
+      .submap = released.id,
       .submap_from_camera = submap_from_camera,
       .inliers = static_cast<int>(pose.inliers.size()),
       .rms_px = pose.rms_px,
@@ -80,11 +89,25 @@ bool IsMoreConvincing(const Candidate& a, const Candidate& b) {
   const int a_inliers = a.pose ? a.pose->inliers : 0;
   const int b_inliers = b.pose ? b.pose->inliers : 0;
   if (a_inliers != b_inliers) return a_inliers > b_inliers;
-  return a.matches > b.matches;
+  return a.answer.matches.size() > b.answer.matches.size();
 }
 
-std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates) {
-  if (!candidates.front().ambiguity.empty()) return candidates.front().ambiguity;
+void TryWithoutGravity(std::span<Candidate> candidates, const LocalisationRequest& request,
+                       const LocaliserOptions& options) {
+  constexpr std::size_t kTries = 2;
+  if (!request.up_in_camera) return;
+  for (Candidate& candidate : candidates.first(std::min(kTries, candidates.size()))) {
+    if (candidate.answer.submap_from_camera) continue;  // refused for another reason
+    const OpenSubmap& submap = *candidate.submap;
+    SubmapAnswer answer = std::move(candidate.answer);
+    submap.localiser().EstimatePose({request.camera, std::nullopt}, answer);
+    candidate = CarryToMap(submap, std::move(answer), request, options);
+  }
+  std::stable_sort(candidates.begin(), candidates.end(), IsMoreConvincing);
+}
+
+std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
+                                         const LocalisationRequest& request) {
   const LocalisedPose& best = *candidates.front().pose;
   for (const Candidate& other : candidates.subspan(1)) {
     if (!other.pose || other.pose->inliers < kComparableShare * best.inliers) break;
@@ -97,7 +120,11 @@ std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates) 
                        best.inliers, best.submap.text(), other.pose->inliers,
                        other.pose->submap.text(), distance_m);
   }
-  return std::nullopt;
+  const OpenSubmap& submap = *candidates.front().submap;
+  std::string twin =
+      submap.localiser().FindAmbiguity(SensesIn(submap, request), candidates.front().answer);
+  if (twin.empty()) return std::nullopt;
+  return twin;
 }
 
 }  // namespace waymark::localiser::internal

@@ -5,31 +5,40 @@
 #include <span>
 #include <string>
 
+#include "localiser/internal/open_submap.h"
 #include "localiser/internal/submap_localiser.h"
 #include "localiser/localiser.h"
-#include "mapping/store/release.h"
 
 namespace waymark::localiser::internal {
 
 /// What one submap says, in the map frame and compared with what the phone knows of itself.
 struct Candidate {
-  const mapping::ReleasedSubmap* submap = nullptr;
-  std::size_t matches = 0;
+  const OpenSubmap* submap = nullptr;
+  SubmapAnswer answer;
   std::optional<LocalisedPose> pose;  ///< absent: see refusal
   std::string refusal;
-  std::string ambiguity;  ///< of the pose, within its submap; empty: none
 };
 
+/// What the phone says, seen from a submap.
+ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& request);
+
 /// Carries an answer by map_from_submap and refuses it if gravity or the prior contradicts it.
-Candidate CarryToMap(const mapping::ReleasedSubmap& submap, SubmapAnswer answer,
+Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
                      const LocalisationRequest& request, const LocaliserOptions& options);
 
 /// By inliers; a candidate without a pose by its matches, after all that have one.
 bool IsMoreConvincing(const Candidate& a, const Candidate& b);
 
-/// Two places that look alike: within the submap of the first candidate, or another candidate with
-/// nearly as many inliers as the first, but elsewhere. Shapes: sorted by IsMoreConvincing; the
-/// first has a pose.
-std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates);
+/// Gravity that is off by more than a few degrees hides the pose it should help to find: asks the
+/// candidates with most matches once more without it, so that the answer can say so.
+/// Shapes: sorted by IsMoreConvincing, none has a pose; sorted again afterwards.
+void TryWithoutGravity(std::span<Candidate> candidates, const LocalisationRequest& request,
+                       const LocaliserOptions& options);
+
+/// Two places that look alike: another candidate with nearly as many inliers as the first, but
+/// elsewhere, or a second pose within the submap of the first.
+/// Shapes: sorted by IsMoreConvincing; the first has a pose.
+std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
+                                         const LocalisationRequest& request);
 
 }  // namespace waymark::localiser::internal

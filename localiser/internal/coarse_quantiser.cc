@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <mutex>
+#include <numeric>
 #include <utility>
 
 #include <flann/flann.hpp>
 
-#include "localiser/internal/dot_products.h"
 #include "mapping/base/check.h"
 #include "mapping/matching/descriptor_matching.h"
 
@@ -55,6 +57,55 @@ Descriptor OntoSphere(const float* centre) {
   return descriptor;
 }
 
+/// Chooses the cells of the largest dot products. The best of each of many strides through the
+/// cells are as many different cells, so the last wanted of those bounds the last wanted of all
+/// from below, and few cells are left to sort.
+class TopCells {
+ public:
+  TopCells(std::size_t cells, std::size_t wanted)
+      : wanted_(wanted), is_bounded_(wanted <= kStrides && cells >= 4 * kStrides) {}
+
+  /// Most similar first; ties go to the lower cell.
+  void AppendTo(std::span<const std::int32_t> dots, std::vector<std::uint32_t>& cells) {
+    const std::int32_t bound = is_bounded_ ? Bound(dots) : std::numeric_limits<std::int32_t>::min();
+    order_.clear();
+    for (std::size_t begin = 0; begin < dots.size(); begin += kBlock) {
+      const auto block = dots.subspan(begin, std::min(kBlock, dots.size() - begin));
+      std::int32_t most = block.front();
+      for (const std::int32_t dot : block) most = std::max(most, dot);
+      if (most < bound) continue;
+      for (std::size_t i = 0; i < block.size(); ++i) {
+        if (block[i] < bound) continue;
+        order_.push_back(-std::int64_t{block[i]} * (1LL << 32) +
+                         static_cast<std::int64_t>(begin + i));
+      }
+    }
+    const auto end = order_.begin() + static_cast<std::ptrdiff_t>(wanted_);
+    std::partial_sort(order_.begin(), end, order_.end());
+    for (auto best = order_.begin(); best != end; ++best) {
+      cells.push_back(static_cast<std::uint32_t>(*best));  // the lower half
+    }
+  }
+
+ private:
+  static constexpr std::size_t kStrides = 64;
+  static constexpr std::size_t kBlock = 32;
+
+  std::int32_t Bound(std::span<const std::int32_t> dots) {
+    std::copy_n(dots.begin(), kStrides, best_);
+    for (std::size_t begin = kStrides; begin + kStrides <= dots.size(); begin += kStrides) {
+      for (std::size_t i = 0; i < kStrides; ++i) best_[i] = std::max(best_[i], dots[begin + i]);
+    }
+    std::nth_element(best_, best_ + wanted_ - 1, best_ + kStrides, std::greater<>());
+    return best_[wanted_ - 1];
+  }
+
+  std::size_t wanted_;
+  bool is_bounded_;
+  std::int32_t best_[kStrides] = {};
+  std::vector<std::int64_t> order_;
+};
+
 }  // namespace
 
 CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descriptor>> sets,
@@ -83,6 +134,10 @@ CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descripto
 CoarseQuantiser::CoarseQuantiser(std::vector<Descriptor> representatives)
     : representatives_(std::move(representatives)) {
   CHECK(!representatives_.empty());
+  packed_.assign((size() + kGroupLanes - 1) / kGroupLanes, EmptyGroup());
+  for (std::size_t i = 0; i < size(); ++i) {
+    PackInto(representatives_[i], i % kGroupLanes, packed_[i / kGroupLanes]);
+  }
 }
 
 std::vector<std::uint32_t> CoarseQuantiser::Assign(std::span<const Descriptor> descriptors) const {
@@ -95,21 +150,24 @@ std::vector<std::uint32_t> CoarseQuantiser::Assign(std::span<const Descriptor> d
 }
 
 RankedCells CoarseQuantiser::Rank(std::span<const Descriptor> features, std::size_t probes) const {
-  RankedCells ranked{.per_feature = std::min(probes, size()), .cells = {}};
+  RankedCells ranked{.per_feature = std::min(probes, size()),
+                     .cells = {},
+                     .visitor_begins = std::vector<std::uint32_t>(size() + 1),
+                     .visitors = {}};
   ranked.cells.reserve(features.size() * ranked.per_feature);
-  std::vector<std::int32_t> dots(size());
-  std::vector<std::int64_t> order(size());  // most similar first, ties by index
+  std::vector<std::int32_t> dots(packed_.size() * kGroupLanes);
+  TopCells top(size(), ranked.per_feature);
   for (const Descriptor& feature : features) {
-    ComputeDots(feature, representatives_, dots);
-    for (std::size_t r = 0; r < order.size(); ++r) {
-      order[r] = -std::int64_t{dots[r]} * (1LL << 32) + static_cast<std::int64_t>(r);
-    }
-    const auto end = order.begin() + static_cast<std::ptrdiff_t>(ranked.per_feature);
-    if (end != order.end()) std::nth_element(order.begin(), end, order.end());
-    std::sort(order.begin(), end);
-    for (auto best = order.begin(); best != end; ++best) {
-      ranked.cells.push_back(static_cast<std::uint32_t>(*best));  // the lower half
-    }
+    ComputeDots(packed_, PackedQuery(feature), dots);
+    top.AppendTo(std::span(dots).first(size()), ranked.cells);
+  }
+  for (const std::uint32_t cell : ranked.cells) ++ranked.visitor_begins[cell + 1];
+  std::partial_sum(ranked.visitor_begins.begin(), ranked.visitor_begins.end(),
+                   ranked.visitor_begins.begin());
+  std::vector<std::uint32_t> next(ranked.visitor_begins.begin(), ranked.visitor_begins.end() - 1);
+  ranked.visitors.resize(ranked.cells.size());
+  for (std::size_t i = 0; i < ranked.cells.size(); ++i) {
+    ranked.visitors[next[ranked.cells[i]]++] = static_cast<std::uint32_t>(i / ranked.per_feature);
   }
   return ranked;
 }

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "localiser/internal/packed_descriptors.h"
 #include "mapping/features/features.h"
 
 namespace waymark::localiser::internal {
@@ -13,9 +14,16 @@ namespace waymark::localiser::internal {
 struct RankedCells {
   std::size_t per_feature = 0;
   std::vector<std::uint32_t> cells;  ///< shape: features x per_feature
+  /// The same from the other side: which features look into a cell, ascending.
+  std::vector<std::uint32_t> visitor_begins;  ///< one per cell, and one end
+  std::vector<std::uint32_t> visitors;
 
   std::span<const std::uint32_t> Of(std::size_t feature) const {
     return std::span(cells).subspan(feature * per_feature, per_feature);
+  }
+  std::span<const std::uint32_t> VisitorsOf(std::size_t cell) const {
+    return std::span(visitors).subspan(visitor_begins[cell],
+                                       visitor_begins[cell + 1] - visitor_begins[cell]);
   }
 };
 
@@ -40,6 +48,7 @@ class CoarseQuantiser {
 
  private:
   std::vector<mapping::Descriptor> representatives_;
+  std::vector<DescriptorGroup> packed_;  // the same
 };
 
 }  // namespace waymark::localiser::internal

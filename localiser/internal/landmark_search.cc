@@ -2,19 +2,28 @@
 #include "localiser/internal/landmark_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
-#include <utility>
 
-#include "localiser/internal/dot_products.h"
 #include "mapping/base/check.h"
+#include "mapping/matching/descriptor_matching.h"
 
 namespace waymark::localiser::internal {
 namespace {
 
 using mapping::Descriptor;
 using mapping::DescriptorAngle;
-using mapping::NearestTwo;
+
+std::size_t GroupsNeeded(std::size_t entries) { return (entries + kGroupLanes - 1) / kGroupLanes; }
+
+// Lists are short and lie anywhere: without this each begins with a wait for memory.
+void Prefetch(std::span<const DescriptorGroup> groups) {
+  constexpr std::size_t kLine = 64;
+  constexpr std::size_t kMostGroups = 16;
+  const auto bytes = std::as_bytes(groups.first(std::min(groups.size(), kMostGroups)));
+  for (std::size_t at = 0; at < bytes.size(); at += kLine) __builtin_prefetch(&bytes[at]);
+}
 
 }  // namespace
 
@@ -24,136 +33,116 @@ LandmarkSearch::LandmarkSearch(std::span<const Descriptor> descriptors,
                                const LandmarkSearchOptions& options)
     : options_(options), has_lists_(descriptors.size() >= options.exhaustive_below) {
   CHECK(descriptors.size() == landmarks.size());
-  if (has_lists_) {
-    SortIntoLists(descriptors, landmarks, quantiser);
-  } else {
-    descriptors_ = descriptors;
-    landmarks_ = landmarks;
-    CutIntoCells();
-  }
+  list_begins_.assign((has_lists_ ? quantiser.size() : 1) + 1, 0);
+  Fill(descriptors, landmarks,
+       has_lists_ ? quantiser.Assign(descriptors)
+                  : std::vector<std::uint32_t>(descriptors.size(), 0));
 }
 
-// A whole scan goes in cells too, so that only the landmark's own cell is ever scanned again.
-void LandmarkSearch::CutIntoCells() {
-  for (std::size_t i = 0; i < descriptors_.size(); i += options_.whole_scan_cell) {
-    cell_begins_.push_back(static_cast<std::uint32_t>(i));
+void LandmarkSearch::Fill(std::span<const Descriptor> descriptors,
+                          std::span<const std::uint32_t> landmarks,
+                          std::span<const std::uint32_t> cell_of) {
+  std::vector<std::size_t> sizes(list_count());
+  for (const std::uint32_t cell : cell_of) ++sizes[cell];
+  std::vector<std::size_t> next(list_count());  // entry, counted over all lanes
+  for (std::size_t list = 0; list < list_count(); ++list) {
+    next[list] = list_begins_[list] * kGroupLanes;
+    list_begins_[list + 1] =
+        list_begins_[list] + static_cast<std::uint32_t>(GroupsNeeded(sizes[list]));
   }
-  cell_begins_.push_back(static_cast<std::uint32_t>(descriptors_.size()));
-}
-
-void LandmarkSearch::SortIntoLists(std::span<const Descriptor> descriptors,
-                                   std::span<const std::uint32_t> landmarks,
-                                   const CoarseQuantiser& quantiser) {
-  const std::vector<std::uint32_t> cell_of = quantiser.Assign(descriptors);
-  cell_begins_.assign(quantiser.size() + 1, 0);
-  for (const std::uint32_t cell : cell_of) ++cell_begins_[cell + 1];
-  std::partial_sum(cell_begins_.begin(), cell_begins_.end(), cell_begins_.begin());
-  std::vector<std::uint32_t> next(cell_begins_.begin(), cell_begins_.end() - 1);
-  sorted_descriptors_.resize(descriptors.size());
-  sorted_landmarks_.resize(descriptors.size());
+  groups_.assign(list_begins_.back(), EmptyGroup());
+  landmarks_.assign(groups_.size() * kGroupLanes, kNoLandmark);
   for (std::size_t i = 0; i < descriptors.size(); ++i) {
-    const std::uint32_t place = next[cell_of[i]]++;
-    sorted_descriptors_[place] = descriptors[i];
-    sorted_landmarks_[place] = landmarks[i];
+    const std::size_t entry = next[cell_of[i]]++;
+    PackInto(descriptors[i], entry % kGroupLanes, groups_[entry / kGroupLanes]);
+    landmarks_[entry] = landmarks[i];
   }
-  descriptors_ = sorted_descriptors_;
-  landmarks_ = sorted_landmarks_;
 }
 
-std::vector<std::vector<std::uint32_t>> LandmarkSearch::FeaturesByCell(
-    std::size_t feature_count, const RankedCells& cells) const {
-  std::vector<std::vector<std::uint32_t>> by_cell(cell_count());
-  if (!has_lists_) {
-    std::vector<std::uint32_t> all(feature_count);
-    std::iota(all.begin(), all.end(), 0U);
-    std::fill(by_cell.begin(), by_cell.end(), all);
-    return by_cell;
-  }
-  CHECK(cells.cells.size() == feature_count * cells.per_feature, "ranked for other features");
-  for (std::uint32_t f = 0; f < feature_count; ++f) {
-    for (const std::uint32_t cell : cells.Of(f)) by_cell[cell].push_back(f);
-  }
-  return by_cell;
+std::span<const DescriptorGroup> LandmarkSearch::GroupsOf(std::size_t cell) const {
+  return std::span(groups_).subspan(list_begins_[cell],
+                                    list_begins_[cell + 1] - list_begins_[cell]);
 }
 
-std::vector<std::vector<LandmarkSearch::Visit>> LandmarkSearch::VisitCells(
-    std::span<const Descriptor> features, const RankedCells& cells) const {
-  const auto by_cell = FeaturesByCell(features.size(), cells);
-  std::vector<std::vector<Visit>> visits(features.size());
-  std::vector<Descriptor> askers;
-  for (std::uint32_t cell = 0; cell < by_cell.size(); ++cell) {
-    const std::uint32_t begin = cell_begins_[cell];
-    const std::uint32_t size = cell_begins_[cell + 1] - begin;
-    if (size == 0 || by_cell[cell].empty()) continue;
-    askers.clear();
-    for (const std::uint32_t f : by_cell[cell]) askers.push_back(features[f]);
-    std::vector<NearestTwo> answers =
-        mapping::FindNearestTwo(askers, descriptors_.subspan(begin, size));
-    for (std::size_t i = 0; i < answers.size(); ++i) {
-      answers[i].first += begin;
-      visits[by_cell[cell][i]].push_back({cell, answers[i]});
-    }
-  }
-  return visits;
+std::span<const std::uint32_t> LandmarkSearch::LandmarksOf(std::size_t cell) const {
+  return std::span(landmarks_)
+      .subspan(list_begins_[cell] * kGroupLanes,
+               (list_begins_[cell + 1] - list_begins_[cell]) * kGroupLanes);
 }
 
-std::int32_t LandmarkSearch::BestOfAnother(const Descriptor& feature, std::uint32_t landmark,
-                                           std::uint32_t cell) const {
-  const std::uint32_t begin = cell_begins_[cell];
-  const std::uint32_t size = cell_begins_[cell + 1] - begin;
-  std::vector<std::int32_t> dots(size);
-  ComputeDots(feature, descriptors_.subspan(begin, size), dots);
+std::int32_t LandmarkSearch::SearchAnother(const PackedQuery& feature, std::uint32_t landmark,
+                                           std::span<const std::uint32_t> visited) const {
   std::int32_t best = -1;
-  for (std::uint32_t i = 0; i < size; ++i) {
-    if (landmarks_[begin + i] != landmark) best = std::max(best, dots[i]);
+  for (const std::uint32_t cell : visited) {
+    best = std::max(best, BestOfAnother(GroupsOf(cell), LandmarksOf(cell), feature, landmark));
   }
   return best;
 }
 
-// The kernel returns the second best entry of a cell, but not whose. So the ratio test is first
-// run with what is certain, the best of every cell, and a cell is scanned again only when its
-// second best could fail the test and may belong to the landmark itself.
-void LandmarkSearch::Judge(std::uint32_t index, const Descriptor& feature,
-                           std::span<const Visit> visits,
-                           std::vector<LandmarkMatch>& matches) const {
+// A lane knows whose its best entry is, but not its second best. So the ratio test is first run
+// with what is certain, and the lists are scanned again only where an unknown second best could
+// decide it and may belong to the landmark itself.
+std::optional<LandmarkMatch> LandmarkSearch::Judge(std::uint32_t index, const PackedQuery& feature,
+                                                   const LaneBest& best,
+                                                   std::span<const std::uint32_t> visited) const {
   std::int32_t best_dot = -1;
-  std::uint32_t landmark = 0;
-  for (const Visit& visit : visits) {
-    const std::uint32_t candidate = landmarks_[visit.nearest.first];
-    if (visit.nearest.first_dot > best_dot ||
-        (visit.nearest.first_dot == best_dot && candidate < landmark)) {
-      best_dot = visit.nearest.first_dot;
-      landmark = candidate;
+  std::uint32_t landmark = kNoLandmark;
+  std::array<std::uint32_t, kGroupLanes> landmark_of;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    if (best.group[lane] < 0) continue;
+    landmark_of[lane] =
+        landmarks_[static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane];
+    if (best.first_dot[lane] > best_dot ||
+        (best.first_dot[lane] == best_dot && landmark_of[lane] < landmark)) {
+      best_dot = best.first_dot[lane];
+      landmark = landmark_of[lane];
     }
   }
-  const double angle_rad = best_dot < 0 ? 10 : DescriptorAngle(best_dot);
-  if (angle_rad > options_.max_angle_rad) return;
+  if (landmark == kNoLandmark) return std::nullopt;
+  const double angle_rad = DescriptorAngle(best_dot);
+  if (angle_rad > options_.max_angle_rad) return std::nullopt;
   const auto ratio_to = [&](std::int32_t other_dot) {
     const double other_rad = DescriptorAngle(std::max(other_dot, 0));
     return other_rad > 0 ? angle_rad / other_rad : 1.0;
   };
 
   std::int32_t other_dot = -1;
-  for (const Visit& visit : visits) {
-    if (landmarks_[visit.nearest.first] != landmark) {
-      other_dot = std::max(other_dot, visit.nearest.first_dot);
+  std::int32_t unknown_dot = -1;
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    if (best.group[lane] < 0) continue;
+    if (landmark_of[lane] != landmark) {
+      other_dot = std::max(other_dot, best.first_dot[lane]);
+    } else {
+      unknown_dot = std::max(unknown_dot, best.second_dot[lane]);
     }
   }
-  if (ratio_to(other_dot) >= options_.max_ratio) return;
-  for (const Visit& visit : visits) {
-    if (landmarks_[visit.nearest.first] != landmark) continue;
-    if (visit.nearest.second_dot <= other_dot) continue;
-    other_dot = std::max(other_dot, BestOfAnother(feature, landmark, visit.cell));
-    if (ratio_to(other_dot) >= options_.max_ratio) return;
-  }
-  matches.push_back({index, landmark, static_cast<float>(ratio_to(other_dot))});
+  if (ratio_to(other_dot) >= options_.max_ratio) return std::nullopt;
+  if (unknown_dot > other_dot) other_dot = SearchAnother(feature, landmark, visited);
+  const double ratio = ratio_to(other_dot);
+  if (ratio >= options_.max_ratio) return std::nullopt;
+  return LandmarkMatch{index, landmark, static_cast<float>(ratio)};
 }
 
 std::vector<LandmarkMatch> LandmarkSearch::Match(std::span<const Descriptor> features,
                                                  const RankedCells& cells) const {
-  const auto visits = VisitCells(features, cells);
+  CHECK(!has_lists_ || cells.cells.size() == features.size() * cells.per_feature,
+        "ranked for other features");
+  std::vector<PackedQuery> queries(features.begin(), features.end());
+  std::vector<LaneBest> best(features.size());
+  for (LaneBest& state : best) state.Clear();
+  std::vector<std::uint32_t> all(has_lists_ ? 0 : features.size());
+  std::iota(all.begin(), all.end(), 0U);
+  for (std::size_t list = 0; list < list_count(); ++list) {
+    if (list + 1 < list_count()) Prefetch(GroupsOf(list + 1));
+    MeetGroups(GroupsOf(list), static_cast<std::int32_t>(list_begins_[list]), queries,
+               has_lists_ ? cells.VisitorsOf(list) : all, best);
+  }
+  constexpr std::array<std::uint32_t, 1> kOnly{0};
   std::vector<LandmarkMatch> matches;
-  for (std::uint32_t f = 0; f < features.size(); ++f) Judge(f, features[f], visits[f], matches);
+  for (std::uint32_t f = 0; f < features.size(); ++f) {
+    const auto visited = has_lists_ ? cells.Of(f) : std::span<const std::uint32_t>(kOnly);
+    if (const auto match = Judge(f, queries[f], best[f], visited)) matches.push_back(*match);
+  }
   return matches;
 }
 

@@ -23,27 +23,27 @@ bool IsNotable(std::size_t agreeing, std::size_t first_agreeing) {
 
 }  // namespace
 
-Result<std::optional<LookAlike>> FindLookAlike(const CameraModel& camera,
-                                               std::span<const Eigen::Vector2d> pixels_px,
-                                               std::span<const Eigen::Vector3d> points_in_submap,
+Result<std::optional<LookAlike>> FindLookAlike(const ImageSenses& senses,
+                                               const ImageMatches& matches,
                                                const mapping::AbsolutePose& pose,
                                                double median_distance_m, double max_error_px) {
   std::vector<Eigen::Vector2d> rest_px;
   std::vector<Eigen::Vector3d> rest_in_submap;
   auto inlier = pose.inliers.begin();
-  for (std::size_t i = 0; i < pixels_px.size(); ++i) {
+  for (std::size_t i = 0; i < matches.size(); ++i) {
     if (inlier != pose.inliers.end() && *inlier == i) {
       ++inlier;
       continue;
     }
-    rest_px.push_back(pixels_px[i]);
-    rest_in_submap.push_back(points_in_submap[i]);
+    rest_px.push_back(matches.pixels_px[i]);
+    rest_in_submap.push_back(matches.points_in_submap[i]);
   }
   WAYMARK_TRY_ASSIGN(const auto second,
-                     mapping::EstimateAbsolutePose(camera, rest_px, rest_in_submap, {},
+                     mapping::EstimateAbsolutePose(senses.camera, rest_px, rest_in_submap, {},
                                                    {.max_error_px = max_error_px,
                                                     .min_inliers = kMinAgreeing,
-                                                    .max_iterations = kMaxIterations}));
+                                                    .max_iterations = kMaxIterations,
+                                                    .up = senses.up}));
   std::optional<LookAlike> found;
   if (!second || !IsNotable(second->inliers.size(), pose.inliers.size())) return found;
   const double distance_m =

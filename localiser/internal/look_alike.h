@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cstddef>
 #include <optional>
-#include <span>
 
+#include "localiser/internal/image_matches.h"
 #include "mapping/base/result.h"
 #include "mapping/estimation/absolute_pose.h"
-#include "mapping/geometry/camera_model.h"
 
 namespace waymark::localiser::internal {
 
@@ -23,11 +20,10 @@ struct LookAlike {
 /// Looks for a second pose among the matches that do not agree on the first one. Houses that are
 /// built alike share the matches of an image between them, wherever each was mapped from a more
 /// similar place than the others; what a place of its own leaves over agrees on nothing.
-/// Shapes: pixels and points have equal length. nullopt: no pose elsewhere has enough matches.
+/// nullopt: no pose elsewhere has enough matches.
 /// Deterministic. Errors: those of EstimateAbsolutePose.
-Result<std::optional<LookAlike>> FindLookAlike(const CameraModel& camera,
-                                               std::span<const Eigen::Vector2d> pixels_px,
-                                               std::span<const Eigen::Vector3d> points_in_submap,
+Result<std::optional<LookAlike>> FindLookAlike(const ImageSenses& senses,
+                                               const ImageMatches& matches,
                                                const mapping::AbsolutePose& pose,
                                                double median_distance_m, double max_error_px);
 

@@ -10,7 +10,8 @@
 namespace waymark::localiser::internal {
 namespace {
 
-constexpr std::size_t kEntriesPerCell = 128;  // balances ranking cells with scanning them
+// Balances ranking cells with scanning them: a submap keeps about two of five descriptors.
+constexpr std::size_t kEntriesPerCell = 160;
 constexpr std::size_t kMaxCells = 4096;
 
 /// One where all submaps are so small that they are scanned whole: no cell is ever asked for.

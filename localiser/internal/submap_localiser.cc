@@ -14,6 +14,7 @@
 #include "localiser/internal/stated_covariance.h"
 #include "mapping/base/median.h"
 #include "mapping/base/stopwatch.h"
+#include "mapping/matching/representatives.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -37,6 +38,38 @@ std::vector<LandmarkMatch> KeepOnePerLandmarkAndPlace(const mapping::ImageFeatur
   return matches;
 }
 
+// Drives past the same front see a landmark many times nearly alike: two of its descriptors stand for
+// all, and what is not there need not be read for every image.
+constexpr mapping::RepresentativeOptions kRepresentatives{.max_count = 2};
+
+struct Entries {
+  std::vector<mapping::Descriptor> descriptors;
+  std::vector<std::uint32_t> landmarks;
+};
+
+/// Shapes: the sightings of one landmark lie together.
+Entries ChooseEntries(std::span<const mapping::Descriptor> descriptors,
+                      std::span<const std::uint32_t> observed_landmarks) {
+  Entries entries;
+  for (std::size_t begin = 0, end = 0; begin < descriptors.size(); begin = end) {
+    while (end < descriptors.size() && observed_landmarks[end] == observed_landmarks[begin]) ++end;
+    const auto sightings = descriptors.subspan(begin, end - begin);
+    for (const std::uint32_t index : ChooseRepresentatives(sightings, kRepresentatives)) {
+      entries.descriptors.push_back(sightings[index]);
+      entries.landmarks.push_back(observed_landmarks[begin]);
+    }
+  }
+  return entries;
+}
+
+LandmarkSearch MakeSearch(std::span<const mapping::Descriptor> descriptors,
+                          std::span<const std::uint32_t> observed_landmarks,
+                          const CoarseQuantiser& quantiser, const LocaliserOptions& options) {
+  const Entries entries = ChooseEntries(descriptors, observed_landmarks);
+  return LandmarkSearch(entries.descriptors, entries.landmarks, quantiser,
+                        LandmarkSearchOptions{.max_ratio = options.max_ratio});
+}
+
 }  // namespace
 
 SubmapLocaliser::SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_submap,
@@ -45,91 +78,101 @@ SubmapLocaliser::SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_s
                                  const CoarseQuantiser& quantiser, const LocaliserOptions& options)
     : options_(options),
       landmarks_in_submap_(landmarks_in_submap),
-      search_(descriptors, observed_landmarks, quantiser,
-              LandmarkSearchOptions{.max_ratio = options.max_ratio}) {}
+      search_(MakeSearch(descriptors, observed_landmarks, quantiser, options)) {}
+
+ImageMatches SubmapLocaliser::Match(const mapping::ImageFeatures& features,
+                                    const RankedCells& cells) const {
+  ImageMatches matches;
+  for (const LandmarkMatch& match :
+       KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors, cells))) {
+    const mapping::Keypoint& keypoint = features.keypoints[match.feature];
+    matches.pixels_px.emplace_back(keypoint.x_px, keypoint.y_px);
+    matches.points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
+    matches.quality.push_back(1 - match.ratio);
+  }
+  return matches;
+}
 
 SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
-                                       const RankedCells& cells, const CameraModel& camera) const {
+                                       const RankedCells& cells, const ImageSenses& senses) const {
+  SubmapAnswer answer;
   const Stopwatch search_watch;
-  const std::vector<LandmarkMatch> matches =
-      KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors, cells));
-  const double search_ms = 1e3 * search_watch.ElapsedS();
-  const Stopwatch pose_watch;
-  SubmapAnswer answer = EstimatePose(features, camera, matches);
-  answer.matches = matches.size();
-  answer.search_ms = search_ms;
-  answer.pose_ms = 1e3 * pose_watch.ElapsedS();
+  answer.matches = Match(features, cells);
+  answer.search_ms = 1e3 * search_watch.ElapsedS();
+  EstimatePose(senses, answer);
   return answer;
 }
 
-SubmapAnswer SubmapLocaliser::EstimatePose(const mapping::ImageFeatures& features,
-                                           const CameraModel& camera,
-                                           std::span<const LandmarkMatch> matches) const {
-  SubmapAnswer answer;
+void SubmapLocaliser::EstimatePose(const ImageSenses& senses, SubmapAnswer& answer) const {
+  const ImageMatches& matches = answer.matches;
+  answer.submap_from_camera.reset();
   if (matches.size() < static_cast<std::size_t>(options_.min_inliers)) {
     answer.refusal =
         fmt::format("{} matches, at least {} are needed", matches.size(), options_.min_inliers);
-    return answer;
+    return;
   }
-  std::vector<Eigen::Vector2d> pixels_px;
-  std::vector<Eigen::Vector3d> points_in_submap;
-  std::vector<double> quality;
-  for (const LandmarkMatch& match : matches) {
-    const mapping::Keypoint& keypoint = features.keypoints[match.feature];
-    pixels_px.emplace_back(keypoint.x_px, keypoint.y_px);
-    points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
-    quality.push_back(1 - match.ratio);
-  }
-  auto estimated = mapping::EstimateAbsolutePose(camera, pixels_px, points_in_submap, quality,
-                                                 {.max_error_px = options_.max_error_px,
-                                                  .min_inliers = options_.min_inliers,
-                                                  .focal_sigma_share = options_.focal_sigma_share,
-                                                  .seed = options_.seed});
+  const Stopwatch watch;
+  auto estimated = mapping::EstimateAbsolutePose(
+      senses.camera, matches.pixels_px, matches.points_in_submap, matches.quality,
+      {.max_error_px = options_.max_error_px,
+       .min_inliers = options_.min_inliers,
+       .focal_sigma_share = options_.focal_sigma_share,
+       .up = senses.up,
+       .seed = options_.seed});
   if (!estimated) {
     answer.refusal = ToString(estimated.error());
-    return answer;
-  }
-  if (!*estimated) {
+  } else if (!*estimated) {
     answer.refusal =
         fmt::format("no pose agrees with {} of {} matches", options_.min_inliers, matches.size());
-    return answer;
+  } else {
+    mapping::AbsolutePose& pose = **estimated;
+    pose.covariance = StatedCovariance(pose.covariance, senses.camera);
+    if (auto refusal = Judge(senses.camera, pose, answer)) {
+      answer.refusal = *std::move(refusal);
+    } else {
+      answer.submap_from_camera = std::move(pose);
+    }
   }
-  mapping::AbsolutePose& pose = **estimated;
-  pose.covariance = StatedCovariance(pose.covariance, camera);
+  answer.pose_ms += 1e3 * watch.ElapsedS();
+}
+
+std::optional<std::string> SubmapLocaliser::Judge(const CameraModel& camera,
+                                                  const mapping::AbsolutePose& pose,
+                                                  SubmapAnswer& answer) const {
+  const ImageMatches& matches = answer.matches;
   std::vector<Eigen::Vector2d> inliers_px;
   std::vector<double> distances_m;
   for (const std::uint32_t inlier : pose.inliers) {
-    inliers_px.push_back(pixels_px[inlier]);
-    distances_m.push_back((points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
+    inliers_px.push_back(matches.pixels_px[inlier]);
+    distances_m.push_back(
+        (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
   }
-  const double median_distance_m = Median(distances_m);
-  const auto refusal =
-      FindReasonToRefuse({.matches = matches.size(),
-                          .inliers_px = inliers_px,
-                          .position_covariance = pose.covariance.topLeftCorner<3, 3>(),
-                          .median_distance_m = median_distance_m,
-                          .max_error_px = options_.max_error_px},
-                         camera);
-  if (refusal) {
-    answer.refusal = *refusal;
-    return answer;
+  answer.median_distance_m = Median(distances_m);
+  if (auto refusal =
+          FindReasonToRefuse({.matches = matches.size(),
+                              .inliers_px = inliers_px,
+                              .position_covariance = pose.covariance.topLeftCorner<3, 3>(),
+                              .median_distance_m = answer.median_distance_m,
+                              .max_error_px = options_.max_error_px},
+                             camera)) {
+    return refusal;
   }
   if (std::abs(pose.focal_factor - 1) > kMaxFocalSigmas * options_.focal_sigma_share) {
-    answer.refusal =
-        fmt::format("{} inliers contradict the stated focal length: they fit with {:.2f} times it",
-                    pose.inliers.size(), pose.focal_factor);
-    return answer;
+    return fmt::format("{} inliers contradict the stated focal length: they fit with {:.2f} times it",
+                       pose.inliers.size(), pose.focal_factor);
   }
-  const auto twin = FindLookAlike(camera, pixels_px, points_in_submap, pose, median_distance_m,
-                                  options_.max_error_px);
-  if (twin && *twin) {
-    answer.ambiguity = fmt::format(
-        "two places look alike: {} matches agree on a pose, {} of the other {} on one {:.1f} m "
-        "away",
-        pose.inliers.size(), (*twin)->agreeing, (*twin)->matches, (*twin)->distance_m);
-  }
-  answer.submap_from_camera = std::move(pose);
-  return answer;
+  return std::nullopt;
+}
+
+std::string SubmapLocaliser::FindAmbiguity(const ImageSenses& senses,
+                                           const SubmapAnswer& answer) const {
+  const mapping::AbsolutePose& pose = *answer.submap_from_camera;
+  const auto twin =
+      FindLookAlike(senses, answer.matches, pose, answer.median_distance_m, options_.max_error_px);
+  if (!twin || !*twin) return {};
+  return fmt::format(
+      "two places look alike: {} matches agree on a pose, {} of the other {} on one {:.1f} m away",
+      pose.inliers.size(), (*twin)->agreeing, (*twin)->matches, (*twin)->distance_m);
 }
 
 }  // namespace waymark::localiser::internal

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "localiser/internal/image_matches.h"
 #include "localiser/internal/landmark_search.h"
 #include "localiser/localiser.h"
 #include "mapping/estimation/absolute_pose.h"
@@ -17,18 +18,19 @@ namespace waymark::localiser::internal {
 
 /// What one submap makes of one image.
 struct SubmapAnswer {
-  std::size_t matches = 0;
+  ImageMatches matches;
   std::optional<mapping::AbsolutePose> submap_from_camera;  ///< absent: see refusal
+  double median_distance_m = 0;                             ///< to what the pose sees
   std::string refusal;
-  std::string ambiguity;  ///< why the pose is not the only one here; empty when it is
   double search_ms = 0;
   double pose_ms = 0;
 };
 
-/// Finds images in one submap. Borrows the submap's arrays. Immutable, thread-safe.
+/// Finds images in one submap. Borrows the landmarks. Immutable, thread-safe.
 class SubmapLocaliser {
  public:
-  /// Shapes: descriptors[i] shows landmark observed_landmarks[i], which are valid indices.
+  /// Shapes: descriptors[i] shows landmark observed_landmarks[i], which are valid indices; those of
+  ///         one landmark lie together.
   SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_submap,
                   std::span<const mapping::Descriptor> descriptors,
                   std::span<const std::uint32_t> observed_landmarks,
@@ -36,11 +38,18 @@ class SubmapLocaliser {
 
   /// The cells are those of the features, ranked by the same quantiser.
   SubmapAnswer Localise(const mapping::ImageFeatures& features, const RankedCells& cells,
-                        const CameraModel& camera) const;
+                        const ImageSenses& senses) const;
+
+  /// Looks for the pose once more, among the same matches, with other senses.
+  void EstimatePose(const ImageSenses& senses, SubmapAnswer& answer) const;
+
+  /// Why the pose of an answer is not the only one in this submap; empty when it is.
+  std::string FindAmbiguity(const ImageSenses& senses, const SubmapAnswer& answer) const;
 
  private:
-  SubmapAnswer EstimatePose(const mapping::ImageFeatures& features, const CameraModel& camera,
-                            std::span<const LandmarkMatch> matches) const;
+  ImageMatches Match(const mapping::ImageFeatures& features, const RankedCells& cells) const;
+  std::optional<std::string> Judge(const CameraModel& camera, const mapping::AbsolutePose& pose,
+                                   SubmapAnswer& answer) const;
 
   LocaliserOptions options_;
   std::span<const Eigen::Vector3d> landmarks_in_submap_;

@@ -15,58 +15,59 @@ namespace {
 
 constexpr double kMaxErrorPx = 6;
 
-/// Pixels of one image beside the points that matching believes they show.
-struct Matches {
-  std::vector<Eigen::Vector2d> pixels_px;
-  std::vector<Eigen::Vector3d> points;
-};
-
 /// Landmarks that a viewpoint sees; those from `first_copied` on are believed to be elsewhere.
-Matches MatchPlace(const RandomPlace& place, const Rigid3& viewpoint, std::size_t count,
+ImageMatches MatchPlace(const RandomPlace& place, const Rigid3& viewpoint, std::size_t count,
                    std::size_t first_copied, const Eigen::Vector3d& copy_offset) {
-  Matches matches;
+  ImageMatches matches;
   for (const Eigen::Vector3d& landmark : place.landmarks()) {
     const auto pixel_px = TestCamera().Project(viewpoint.Inverse() * landmark);
     if (!pixel_px || !TestCamera().Contains(*pixel_px)) continue;
-    const bool is_copied = matches.points.size() >= first_copied;
+    const bool is_copied = matches.points_in_submap.size() >= first_copied;
     matches.pixels_px.push_back(*pixel_px);
-    matches.points.push_back(is_copied ? Eigen::Vector3d(landmark + copy_offset) : landmark);
-    if (matches.points.size() == count) break;
+    matches.points_in_submap.push_back(is_copied ? Eigen::Vector3d(landmark + copy_offset) : landmark);
+    if (matches.points_in_submap.size() == count) break;
   }
   return matches;
 }
 
-std::optional<LookAlike> FindIn(const Matches& matches) {
+std::optional<LookAlike> FindIn(const ImageMatches& matches,
+                                const std::optional<mapping::SharedUp>& up = std::nullopt) {
   const auto pose =
-      mapping::EstimateAbsolutePose(TestCamera(), matches.pixels_px, matches.points, {},
+      mapping::EstimateAbsolutePose(TestCamera(), matches.pixels_px, matches.points_in_submap, {},
                                     {.max_error_px = kMaxErrorPx, .min_inliers = 15});
   CHECK(pose.ok() && *pose, "the first pose");
-  return *FindLookAlike(TestCamera(), matches.pixels_px, matches.points, **pose, 12, kMaxErrorPx);
+  return *FindLookAlike({TestCamera(), up}, matches, **pose, 12, kMaxErrorPx);
 }
 
 TEST(LookAlike, IsFoundWhereMatchesAreSharedBetweenTwoHousesOfOneKind) {
   const RandomPlace place(1);
-  const Matches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {9.5, 0, 0});
+  const ImageMatches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {9.5, 0, 0});
   const auto found = FindIn(matches);
   ASSERT_TRUE(found.has_value());
   EXPECT_GE(found->agreeing, 28U);
   EXPECT_EQ(found->matches, 30U);
   EXPECT_NEAR(found->distance_m, 9.5, 0.1);
+  const auto up_in_camera =
+      place.Viewpoint(0).rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  const auto with_gravity =
+      FindIn(matches, mapping::SharedUp{up_in_camera, Eigen::Vector3d::UnitZ()});
+  ASSERT_TRUE(with_gravity.has_value());
+  EXPECT_EQ(with_gravity->agreeing, found->agreeing);
 }
 
 TEST(LookAlike, IsNotSeenInMatchesThatAgreeOnNothing) {
   const RandomPlace place(1);
   support::RandomGeometry random(2);
-  Matches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {9.5, 0, 0});
-  for (std::size_t i = 60; i < matches.points.size(); ++i) {
-    matches.points[i] = {random.Uniform(-15, 15), random.Uniform(10, 16), random.Uniform(-1, 7)};
+  ImageMatches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {9.5, 0, 0});
+  for (std::size_t i = 60; i < matches.points_in_submap.size(); ++i) {
+    matches.points_in_submap[i] = {random.Uniform(-15, 15), random.Uniform(10, 16), random.Uniform(-1, 7)};
   }
   EXPECT_FALSE(FindIn(matches).has_value());
 }
 
 TEST(LookAlike, IsNotSeenWhereTheRestAgreesOnTheSamePlace) {
   const RandomPlace place(1);
-  const Matches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {0.25, 0, 0});
+  const ImageMatches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {0.25, 0, 0});
   EXPECT_FALSE(FindIn(matches).has_value());
 }
 
@@ -78,16 +79,16 @@ TEST(StatedCovariance, HoldsErrorsThatAreNotIndependent) {
   int position = 0, rotation = 0, both = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const Rigid3 truth = place.Viewpoint(random.Uniform(-3, 3), random.Uniform(-2, 2));
-    Matches matches = MatchPlace(place, truth, 120, 120, Eigen::Vector3d::Zero());
+    ImageMatches matches = MatchPlace(place, truth, 120, 120, Eigen::Vector3d::Zero());
     const Eigen::Vector2d shift_px(random.Normal(0.11), random.Normal(0.11));
     Eigen::Vector2d noise_px = Eigen::Vector2d::Zero();
-    for (std::size_t i = 0; i < matches.points.size(); ++i) {
+    for (std::size_t i = 0; i < matches.points_in_submap.size(); ++i) {
       const bool is_twin = i % 2 == 1;  // of the one before
       if (!is_twin) noise_px = {random.Normal(0.8), random.Normal(0.8)};
       matches.pixels_px[i] += noise_px + shift_px;
     }
     const auto pose =
-        mapping::EstimateAbsolutePose(TestCamera(), matches.pixels_px, matches.points, {},
+        mapping::EstimateAbsolutePose(TestCamera(), matches.pixels_px, matches.points_in_submap, {},
                                       {.max_error_px = kMaxErrorPx, .min_inliers = 15});
     ASSERT_TRUE(pose.ok() && *pose);
     const auto covariance = StatedCovariance((*pose)->covariance, TestCamera());

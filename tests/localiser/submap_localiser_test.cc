@@ -13,6 +13,10 @@
 namespace waymark::localiser::internal {
 namespace {
 
+Eigen::Vector3d Up() { return Eigen::Vector3d::UnitZ(); }
+
+const ImageSenses kSenses{TestCamera(), std::nullopt};
+
 /// Owns what a SubmapLocaliser borrows.
 struct Fixture {
   explicit Fixture(RandomPlace& place, const LocaliserOptions& options = {})
@@ -27,7 +31,7 @@ struct Fixture {
   }
 
   SubmapAnswer Localise(const mapping::ImageFeatures& photo) const {
-    return localiser->Localise(photo, quantiser->Rank(photo.descriptors, 8), TestCamera());
+    return localiser->Localise(photo, quantiser->Rank(photo.descriptors, 8), kSenses);
   }
 
   std::vector<Eigen::Vector3d> landmarks;
@@ -51,13 +55,34 @@ TEST(SubmapLocaliser, FindsWhereAPhotoWasTakenAmongClutter) {
   }
 }
 
+TEST(SubmapLocaliser, FindsTheSamePoseWithGravityThatIsOffByADegree) {
+  RandomPlace place(1);
+  const Fixture submap(place);
+  for (const double east_m : {-6.0, 0.0, 5.0}) {
+    const Rigid3 truth = place.Viewpoint(east_m, -2);
+    const mapping::ImageFeatures photo = place.Photo(truth, 300);
+    const Eigen::Quaterniond lean = RotationFromVector({0.02, -0.01, 0});
+    const ImageSenses senses{
+        TestCamera(), mapping::SharedUp{truth.rotation().conjugate() * (lean * Up()), Up()}};
+    const SubmapAnswer without = submap.Localise(photo);
+    const SubmapAnswer with = submap.localiser->Localise(
+        photo, submap.quantiser->Rank(photo.descriptors, 8), senses);
+    ASSERT_TRUE(with.submap_from_camera && without.submap_from_camera) << with.refusal;
+    EXPECT_EQ(with.submap_from_camera->inliers, without.submap_from_camera->inliers);
+    EXPECT_LT((with.submap_from_camera->world_from_camera.translation() -
+               without.submap_from_camera->world_from_camera.translation())
+                  .norm(),
+              1e-3);
+  }
+}
+
 TEST(SubmapLocaliser, RefusesACameraThatIsNotTheOneStated) {
   RandomPlace place(1);
   const Fixture submap(place, {.focal_sigma_share = 0.05});
   const mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 100);
   const auto answer = [&](double factor) {
     return submap.localiser->Localise(photo, submap.quantiser->Rank(photo.descriptors, 8),
-                                      TestCamera().WithScaledFocal(factor));
+                                      {TestCamera().WithScaledFocal(factor), std::nullopt});
   };
   EXPECT_TRUE(answer(1.05).submap_from_camera.has_value());
   const SubmapAnswer refused = answer(1.3);
@@ -69,7 +94,8 @@ TEST(SubmapLocaliser, SaysWhenHousesAreCopies) {
   RandomPlace place(1);
   Fixture submap(place);
   const std::size_t own = submap.landmarks.size();
-  EXPECT_TRUE(submap.Localise(place.Photo(place.Viewpoint(0), 100)).ambiguity.empty());
+  const mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 100);
+  EXPECT_EQ(submap.localiser->FindAmbiguity(kSenses, submap.Localise(photo)), "");
   // A second house beside it; matching finds one half of it more similar, and one of the first.
   for (std::size_t i = 0; i < own; ++i) {
     submap.landmarks.push_back(submap.landmarks[i] + Eigen::Vector3d(40, 0, 0));
@@ -79,8 +105,8 @@ TEST(SubmapLocaliser, SaysWhenHousesAreCopies) {
   }
   submap.localiser.emplace(submap.landmarks, submap.descriptors, submap.observed, *submap.quantiser,
                            LocaliserOptions{});
-  const SubmapAnswer answer = submap.Localise(place.Photo(place.Viewpoint(0), 100));
-  EXPECT_THAT(answer.ambiguity, testing::HasSubstr("look alike"));
+  EXPECT_THAT(submap.localiser->FindAmbiguity(kSenses, submap.Localise(photo)),
+              testing::HasSubstr("look alike"));
 }
 
 TEST(SubmapLocaliser, RefusesPhotosOfOtherPlaces) {
@@ -100,7 +126,7 @@ TEST(SubmapLocaliser, RefusesMatchesThatAgreeOnNothing) {
   mapping::ImageFeatures shuffled = place.Photo(place.Viewpoint(0), 0);
   std::reverse(shuffled.descriptors.begin(), shuffled.descriptors.end());
   const SubmapAnswer answer = submap.Localise(shuffled);
-  EXPECT_GT(answer.matches, 100u);
+  EXPECT_GT(answer.matches.size(), 100u);
   EXPECT_FALSE(answer.submap_from_camera.has_value());
 }
 
@@ -108,12 +134,12 @@ TEST(SubmapLocaliser, FeaturesOfOnePlaceCountOnce) {
   RandomPlace place(1);
   const Fixture submap(place);
   mapping::ImageFeatures photo = place.Photo(place.Viewpoint(0), 0);
-  const std::size_t once = submap.Localise(photo).matches;
+  const std::size_t once = submap.Localise(photo).matches.size();
   const mapping::ImageFeatures copy = photo;
   photo.keypoints.insert(photo.keypoints.end(), copy.keypoints.begin(), copy.keypoints.end());
   photo.descriptors.insert(photo.descriptors.end(), copy.descriptors.begin(),
                            copy.descriptors.end());
-  EXPECT_EQ(submap.Localise(photo).matches, once);
+  EXPECT_EQ(submap.Localise(photo).matches.size(), once);
 }
 
 TEST(PoseAcceptance, ChanceExplainsFewInliersAmongManyMatchesButNotAmongFew) {

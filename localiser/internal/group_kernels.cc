@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// No Eigen here: code for wider registers must not share its types (alignment differs).
+#include "localiser/internal/group_kernels.h"
+
+#include <algorithm>
+
+namespace waymark::localiser::internal {
+namespace {
+
+#if defined(__x86_64__)
+#define WAYMARK_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
+#else
+#define WAYMARK_CLONES
+#endif
+
+__attribute__((always_inline)) inline void Dots(const DescriptorGroup& group,
+                                                const PackedQuery& query, std::int32_t* dots) {
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) dots[lane] = query.offset;
+  for (std::size_t step = 0; step < 32; ++step) {
+    const std::uint8_t* four = query.descriptor->data() + 4 * step;
+    for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+      const std::int8_t* entry = group.steps[step][lane];
+      for (std::size_t k = 0; k < 4; ++k) dots[lane] += std::int32_t{four[k]} * entry[k];
+    }
+  }
+}
+
+WAYMARK_CLONES void MeetPortably(std::span<const DescriptorGroup> groups, std::int32_t first_group,
+                                 std::span<const PackedQuery> queries,
+                                 std::span<const std::uint32_t> chosen,
+                                 std::span<LaneBest> states) {
+  for (const std::uint32_t q : chosen) {
+    LaneBest& state = states[q];
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      std::int32_t dots[kGroupLanes];
+      Dots(groups[g], queries[q], dots);
+      for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+        const std::int32_t first = state.first_dot[lane];
+        const bool is_better = dots[lane] > first;
+        state.second_dot[lane] = std::max(state.second_dot[lane], std::min(first, dots[lane]));
+        state.first_dot[lane] = std::max(first, dots[lane]);
+        if (is_better) state.group[lane] = first_group + static_cast<std::int32_t>(g);
+      }
+    }
+  }
+}
+
+WAYMARK_CLONES void DotsPortably(std::span<const DescriptorGroup> groups, const PackedQuery& query,
+                                 std::int32_t* dots) {
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    Dots(groups[g], query, dots + g * kGroupLanes);
+  }
+}
+
+std::vector<GroupKernel> ListSupported() {
+  std::vector<GroupKernel> kernels;
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vnni")) {
+    kernels.push_back(kVnniGroupKernel);
+  }
+#endif
+  kernels.push_back(kPortableGroupKernel);
+  return kernels;
+}
+
+}  // namespace
+
+const GroupKernel kPortableGroupKernel{"portable", MeetPortably, DotsPortably};
+
+std::span<const GroupKernel> SupportedGroupKernels() {
+  static const std::vector<GroupKernel> kernels = ListSupported();
+  return kernels;
+}
+
+}  // namespace waymark::localiser::internal
