@@ -25,30 +25,8 @@ double ResidentMib() {
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1 << 20);
 }
 
-Result<std::vector<mapping::ReleasedSubmap>> MapDrives(const ConditionsPlan& plan,
-                                                       const Workshop& workshop) {
-  std::vector<mapping::ReleasedSubmap> submaps;
-  for (std::size_t i = 0; i < plan.drives.size(); ++i) {
-    const std::uint64_t seed = 1000 * plan.seed + i;
-    WAYMARK_TRY_ASSIGN(const auto views, PlanDrive(plan.city, plan.car, seed));
-    WAYMARK_TRY_ASSIGN(const auto pictures,
-                       Draw({plan.city, plan.drives[i], seed}, views, workshop));
-    const std::string name =
-        fmt::format("{}_{}", simulator::LightPresetName(plan.drives[i]), i + 1);
-    WAYMARK_TRY_ASSIGN(auto submap, BuildSubmap(pictures, name, workshop));
-    submaps.push_back(std::move(submap));
-  }
-  return submaps;
-}
-
-/// A question with its picture, for those that are asked with pixels.
-struct Walk {
-  std::vector<Question> questions;
-  std::vector<TruePicture> pictures;
-};
-
 Result<void> AddWalks(const ConditionsPlan& plan, LightPreset light, std::size_t requests,
-                      const Workshop& workshop, Walk& walk) {
+                      const Workshop& workshop, AskedPictures& walk) {
   simulator::PhoneOptions phone = plan.phone;
   phone.keyframe_hz = plan.keyframes_per_walk / phone.walk.duration_s;
   const auto per_walk = static_cast<std::size_t>(plan.keyframes_per_walk);
@@ -73,7 +51,7 @@ Result<void> AddWalks(const ConditionsPlan& plan, LightPreset light, std::size_t
   return {};
 }
 
-Result<void> TimeWithPixels(const localiser::Localiser& localiser, const Walk& walk,
+Result<void> TimeWithPixels(const localiser::Localiser& localiser, const AskedPictures& walk,
                             ConditionsRow& row) {
   std::vector<double> total_ms, features_ms;
   for (std::size_t i = 0; i < walk.questions.size(); i += kPixelsEvery) {
@@ -89,7 +67,7 @@ Result<void> TimeWithPixels(const localiser::Localiser& localiser, const Walk& w
 }
 
 Result<ConditionsRow> RunRow(const ConditionsPlan& plan, std::size_t drives,
-                             const std::vector<mapping::ReleasedSubmap>& submaps, const Walk& walk,
+                             const std::vector<mapping::ReleasedSubmap>& submaps, const AskedPictures& walk,
                              const Workshop& workshop) {
   const auto count = static_cast<std::ptrdiff_t>(drives);
   ConditionsRow row;
@@ -121,17 +99,38 @@ void MakeQuick(ConditionsPlan& plan) {
   plan.requests = 12;
 }
 
-Result<std::vector<ConditionsRow>> RunConditions(
-    const ConditionsPlan& plan, const Workshop& workshop,
-    const std::function<void(const ConditionsRow&)>& report) {
-  WAYMARK_TRY_ASSIGN(const auto submaps, MapDrives(plan, workshop));
-  Walk walk;
+Result<std::vector<mapping::ReleasedSubmap>> MapDrives(const ConditionsPlan& plan,
+                                                       const Workshop& workshop) {
+  std::vector<mapping::ReleasedSubmap> submaps;
+  for (std::size_t i = 0; i < plan.drives.size(); ++i) {
+    const std::uint64_t seed = 1000 * plan.seed + i;
+    WAYMARK_TRY_ASSIGN(const auto views, PlanDrive(plan.city, plan.car, seed));
+    WAYMARK_TRY_ASSIGN(const auto pictures,
+                       Draw({plan.city, plan.drives[i], seed}, views, workshop));
+    const std::string name =
+        fmt::format("{}_{}", simulator::LightPresetName(plan.drives[i]), i + 1);
+    WAYMARK_TRY_ASSIGN(auto submap, BuildSubmap(pictures, name, workshop));
+    submaps.push_back(std::move(submap));
+  }
+  return submaps;
+}
+
+Result<AskedPictures> DrawQuestions(const ConditionsPlan& plan, const Workshop& workshop) {
+  AskedPictures walk;
   const std::size_t lights = plan.lights.size();
   for (std::size_t i = 0; i < lights; ++i) {
     const auto requests = static_cast<std::size_t>(plan.requests);
     const std::size_t share = requests * (i + 1) / lights - requests * i / lights;
     WAYMARK_TRY(AddWalks(plan, plan.lights[i], share, workshop, walk));
   }
+  return walk;
+}
+
+Result<std::vector<ConditionsRow>> RunConditions(
+    const ConditionsPlan& plan, const Workshop& workshop,
+    const std::function<void(const ConditionsRow&)>& report) {
+  WAYMARK_TRY_ASSIGN(const auto submaps, MapDrives(plan, workshop));
+  WAYMARK_TRY_ASSIGN(const AskedPictures walk, DrawQuestions(plan, workshop));
   std::vector<ConditionsRow> rows;
   for (const std::size_t drives : plan.rows) {
     WAYMARK_TRY_ASSIGN(auto row,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mapping/store/release.h"
 #include "tests/evaluation/localisation/judging.h"
 
 namespace waymark::evaluation {
@@ -34,6 +35,20 @@ struct ConditionsPlan {
 
 /// Shrinks the plan to what a test can afford: the simulator's tiny world.
 void MakeQuick(ConditionsPlan& plan);
+
+/// The plan's drives as submaps, one each, in their order; drawn and mapped where the workshop does
+/// not hold them yet.
+Result<std::vector<mapping::ReleasedSubmap>> MapDrives(const ConditionsPlan& plan,
+                                                       const Workshop& workshop);
+
+/// What phones ask, beside the pictures that it was taken from.
+struct AskedPictures {
+  std::vector<Question> questions;  ///< with features
+  std::vector<TruePicture> pictures;
+};
+
+/// As many as the plan says, light after light.
+Result<AskedPictures> DrawQuestions(const ConditionsPlan& plan, const Workshop& workshop);
 
 /// One row of the table.
 struct ConditionsRow {

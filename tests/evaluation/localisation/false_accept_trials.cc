@@ -110,11 +110,18 @@ void Preparation::AddDamaged(const MappedPlace* place, const std::vector<Shown>&
 }
 
 Result<void> Preparation::AddTown() {
+  const std::vector<std::string> of_walks{"nothing wrong",   "no position stated",
+                                          "position in another street",
+                                          "focal length misstated", "out of focus",
+                                          "blurred by motion", "covered", "mirrored"};
+  const bool has_walks = IsAnyAsked(of_walks);
+  if (!has_walks && !IsAnyAsked({"sky and eaves", "street that is not mapped", "another city",
+                                 "real photographs"})) {
+    return {};
+  }
   WAYMARK_TRY_ASSIGN(const MappedPlace* town,
                      MapPlace(plan_.city, plan_.car, plan_.mapped, plan_.submaps_per_drive));
-  if (IsAnyAsked({"nothing wrong", "no position stated", "position in another street",
-                  "focal length misstated", "out of focus", "blurred by motion", "covered",
-                  "mirrored"})) {
+  if (has_walks) {
     WAYMARK_TRY_ASSIGN(const auto walk, Walk(plan_.city, plan_.car, plan_.asked, 1));
     AddMisstated(town, walk);
     AddDamaged(town, walk);
