@@ -25,24 +25,25 @@ struct Include {
 };
 
 /// Bottom-up; a layer may include itself and everything below it, unless kMayOnlySee narrows it.
-constexpr std::array<std::string_view, 34> kLayers{
+constexpr std::array<std::string_view, 35> kLayers{
     "mapping/base",        "mapping/geometry",
     "mapping/experience",  "mapping/split",
     "mapping/features",    "mapping/matching",
     "mapping/estimation",  "mapping/sfm",
     "mapping/submap",      "mapping/io",
     "mapping/fusion",      "mapping/store",
-    "mapping/pipeline",    "mapping/synthetic",
-    "mapping/tools",       "localiser",
-    "localiser/tools",     "content_store",
-    "content_store/tools", "idl",
-    "session/state",       "session/dds",
-    "session/wire",        "session/handlers",
-    "session/socket",      "session/gateway",
-    "session/server",      "session/device",
-    "session/tools",       "session",
-    "examples/simulator",  "examples/phone",
-    "examples/demo",       "tests",
+    "mapping/summary",     "mapping/pipeline",
+    "mapping/synthetic",   "mapping/tools",
+    "localiser",           "localiser/tools",
+    "content_store",       "content_store/tools",
+    "idl",                 "session/state",
+    "session/dds",         "session/wire",
+    "session/handlers",    "session/socket",
+    "session/gateway",     "session/server",
+    "session/device",      "session/tools",
+    "session",             "examples/simulator",
+    "examples/phone",      "examples/demo",
+    "tests",
 };
 
 const std::map<std::string_view, std::vector<std::string_view>> kMayOnlySee{

@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
       "  waymark-map diff MAP                            what moved with the live release\n"
       "  waymark-map draw MAP --out map.png              submaps and images from above\n"
       "  waymark-map export MAP --format colmap --out model\n"
+      "  waymark-map summarise MAP --out SMALL           a map to localise in, 5 MB a submap\n"
       "  waymark-map rollback MAP                        the release before is live again\n"
       "`waymark-map COMMAND --help` explains one command.\n"
       "Exit status: 0 done, 1 nothing entered the map, 64 wrong usage, 65 wrong data, 66 an input\n"
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   RegisterReleases(app, exit_code);
   RegisterDiff(app, exit_code);
   RegisterDraw(app, exit_code);
+  RegisterSummarise(app, exit_code);
   RegisterImport(app, exit_code);
   RegisterExport(app, exit_code);
   try {

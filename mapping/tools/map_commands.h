@@ -36,6 +36,7 @@ void RegisterPrune(CLI::App& app, int& exit_code);
 void RegisterReleases(CLI::App& app, int& exit_code);  ///< releases, deploy, rollback
 void RegisterDiff(CLI::App& app, int& exit_code);
 void RegisterDraw(CLI::App& app, int& exit_code);
+void RegisterSummarise(CLI::App& app, int& exit_code);
 void RegisterImport(CLI::App& app, int& exit_code);
 void RegisterExport(CLI::App& app, int& exit_code);
 
