@@ -39,6 +39,10 @@ Result<void> LocalisePoolOptions::Validate() const {
   if (max_queue == 0) {
     return MakeError(ErrorCode::kInvalidArgument, "localisation queue: expected at least 1 place");
   }
+  if (!(max_wait.count() >= 0)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "localisation queue: expected max_wait >= 0, found {} s", max_wait.count());
+  }
   return {};
 }
 
@@ -69,7 +73,7 @@ void LocalisePool::Submit(const DeviceId& device, LocaliseQuery query) {
                                     [&](const Job& queued) { return queued.device == device; });
     if (older != queue_.end()) {
       superseded = std::exchange(*older, std::move(job));
-    } else if (queue_.size() >= options_.max_queue) {
+    } else if (!HasRoom()) {
       is_full = true;
     } else {
       queue_.push_back(std::move(job));
@@ -78,6 +82,12 @@ void LocalisePool::Submit(const DeviceId& device, LocaliseQuery query) {
   if (superseded) return Refuse(*superseded, "a newer image took its place");
   if (is_full) return Refuse(job, "too many images wait");
   changed_.notify_one();
+}
+
+bool LocalisePool::HasRoom() const {
+  if (queue_.size() >= options_.max_queue) return false;
+  const double wait_s = service_s_ * static_cast<double>(queue_.size()) / options_.threads;
+  return queue_.empty() || wait_s <= options_.max_wait.count();
 }
 
 void LocalisePool::SetLocalise(LocaliseFunction localise) {
@@ -106,9 +116,17 @@ void LocalisePool::Work() {
     queue_.pop_front();
     std::shared_ptr<const LocaliseFunction> localise = localise_;
     lock.unlock();
-    deliver_(Answer(job, *localise));
+    const auto begin = std::chrono::steady_clock::now();
+    const bool is_late = begin - job.arrived > options_.max_wait;
+    if (is_late) {
+      Refuse(job, "it waited too long");
+    } else {
+      deliver_(Answer(job, *localise));
+    }
     localise.reset();  // the last to use a release closes it
+    const double spent_s = Seconds(std::chrono::steady_clock::now() - begin);
     lock.lock();
+    if (!is_late) service_s_ += (spent_s - service_s_) / 8;
   }
 }
 

@@ -21,12 +21,15 @@ using LocaliseFunction = std::function<Result<localiser::Localisation>(const Loc
 struct LocalisePoolOptions {
   int threads = 1;             ///< [1, 256]
   std::size_t max_queue = 16;  ///< >= 1; beyond this devices are told "busy"
+  /// An image that would have to wait longer, or has, is of no use any more: "busy", >= 0.
+  std::chrono::duration<double> max_wait{1.0};
 
   Result<void> Validate() const;
 };
 
-/// Localises on a few threads. A device's newer image replaces its older one in the queue; a full
-/// queue answers "busy" at once rather than late. Thread-safe.
+/// Localises on a few threads. A device's newer image replaces its older one in the queue. What
+/// cannot be answered in time is answered "busy" at once rather than late: the queue is full, or, as
+/// long as recent images took, would not be through. Thread-safe.
 class LocalisePool {
  public:
   /// `deliver` is called from the pool's threads and, for refusals, from Submit.
@@ -48,6 +51,7 @@ class LocalisePool {
   };
 
   void Work();
+  bool HasRoom() const;  // mutex_ is held
   LocaliseAnswer Answer(const Job& job, const LocaliseFunction& localise) const;
   void Refuse(const Job& job, const char* reason) const;
 
@@ -57,6 +61,7 @@ class LocalisePool {
   std::shared_ptr<const LocaliseFunction> localise_;  // guarded by mutex_
   std::condition_variable changed_;
   std::deque<Job> queue_;     // guarded by mutex_
+  double service_s_ = 0;      // of recent images, each weighs an eighth; guarded by mutex_
   bool is_stopping_ = false;  // guarded by mutex_
   std::vector<std::thread> threads_;
 };

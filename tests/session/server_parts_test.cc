@@ -106,6 +106,22 @@ TEST_F(Pool, TheNewestImageOfADeviceWinsAndAFullQueueSaysBusy) {
   EXPECT_EQ(answered[2].request, RequestNumber{3});
 }
 
+TEST_F(Pool, AnImageThatWaitedTooLongIsNotLookedAt) {
+  LocalisePool pool(
+      {.max_wait = std::chrono::duration<double>(0)},
+      [&](const LocaliseQuery& query) -> Result<localiser::Localisation> {
+        entered_.Push(query.request);
+        return localiser::Localisation{};
+      },
+      [this](LocaliseAnswer answer) { Deliver(std::move(answer)); });
+  pool.Submit(anna_, Query(1));
+  const auto answers = Answers(1);
+  ASSERT_THAT(answers, SizeIs(1));
+  EXPECT_EQ(answers[0].status, LocaliseStatus::kBusy);
+  EXPECT_THAT(answers[0].reason, testing::HasSubstr("waited"));
+  EXPECT_THAT(entered_.TakeAll({}), IsEmpty());
+}
+
 TEST_F(Pool, AnImageThatIsNoneIsTheDevicesFault) {
   LocalisePool pool(
       {},
