@@ -53,7 +53,6 @@ std::vector<std::uint32_t> ChooseRepresentatives(std::span<const Descriptor> des
       nearest_rad[i] = std::min(nearest_rad[i], angles_rad[best * count + i]);
     }
   }
-  std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
 

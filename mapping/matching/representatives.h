@@ -17,7 +17,7 @@ struct RepresentativeOptions {
 };
 
 /// Some of several descriptors of one thing that stand for all: first the one that is nearest to the
-/// others, then those that help most. Ascending indices, at least one. Deterministic.
+/// others, then those that help most, in this order. At least one. Deterministic.
 /// Shapes: at least one descriptor. Time: grows with the square of their number.
 std::vector<std::uint32_t> ChooseRepresentatives(std::span<const Descriptor> descriptors,
                                                  const RepresentativeOptions& options);

@@ -13,7 +13,7 @@ namespace waymark::mapping {
 /// A landmark that is kept, with the sightings whose descriptors stand for all of its sightings.
 struct ChosenLandmark {
   std::uint32_t landmark;
-  std::vector<std::uint32_t> observations;  ///< of the model, at least one, ascending
+  std::vector<std::uint32_t> observations;  ///< of the model, at least one, the most telling first
 };
 
 struct LandmarkChoiceOptions {

@@ -22,6 +22,31 @@ std::size_t BytesBesideLandmarks(const SubmapModel& model) {
   return bytes;
 }
 
+/// As many landmarks as fit with one sighting each; then second sightings, in the same order, and so on.
+std::vector<ChosenLandmark> KeepWhatFits(std::vector<ChosenLandmark> order, std::size_t bytes,
+                                         std::size_t max_bytes) {
+  const auto take = [&](std::size_t wanted) {
+    if (bytes + wanted > max_bytes) return false;
+    bytes += wanted;
+    return true;
+  };
+  std::vector<ChosenLandmark> kept;
+  std::size_t most = 0;
+  for (const ChosenLandmark& landmark : order) {
+    if (!take(kLandmarkBytes + kObservationBytes)) break;
+    kept.push_back({landmark.landmark, {landmark.observations.front()}});
+    most = std::max(most, landmark.observations.size());
+  }
+  for (std::size_t further = 1; further < most; ++further) {
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      if (further >= order[i].observations.size()) continue;
+      if (!take(kObservationBytes)) return kept;
+      kept[i].observations.push_back(order[i].observations[further]);
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
 Result<void> SummaryOptions::Validate() const {
@@ -39,21 +64,16 @@ Result<void> SummaryOptions::Validate() const {
 }
 
 SubmapModel Summarise(const SubmapModel& model, const SummaryOptions& options) {
-  std::vector<ChosenLandmark> kept = OrderLandmarks(model, options.choice);
-  std::size_t bytes = BytesBesideLandmarks(model);
-  std::size_t count = 0;
-  for (; count < kept.size(); ++count) {
-    bytes += kLandmarkBytes + kObservationBytes * kept[count].observations.size();
-    if (bytes > options.max_bytes) break;
-  }
-  kept.resize(count);
+  std::vector<ChosenLandmark> kept = KeepWhatFits(
+      OrderLandmarks(model, options.choice), BytesBesideLandmarks(model), options.max_bytes);
   std::sort(kept.begin(), kept.end(), [](const ChosenLandmark& a, const ChosenLandmark& b) {
     return a.landmark < b.landmark;
   });
   SubmapModel summary = model;
   summary.landmarks.clear();
   summary.observations.clear();
-  for (const ChosenLandmark& chosen : kept) {
+  for (ChosenLandmark& chosen : kept) {
+    std::sort(chosen.observations.begin(), chosen.observations.end());
     for (const std::uint32_t index : chosen.observations) {
       LandmarkObservation seen = model.observations[index];
       seen.landmark = static_cast<std::uint32_t>(summary.landmarks.size());

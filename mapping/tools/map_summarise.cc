@@ -78,7 +78,7 @@ void RegisterSummarise(CLI::App& app, int& exit_code) {
       "any other: serve it, localise in it. It is no map to add drives to.\n"
       "Examples:\n"
       "  waymark-map summarise MAP --out SMALL --max-mb 2\n"
-      "  waymark-map summarise MAP --out TILE --submap 0f3c --max-mb 0.95 --descriptors 1\n"
+      "  waymark-map summarise MAP --out TILE --submap 0f3c --max-mb 0.95\n"
       "The second is a tile for a phone: waymark-localise TILE PHOTOS --out poses.csv needs nothing\n"
       "else, and no network.");
   summarise->add_option("MAP", arguments->map, "the map directory")->required();

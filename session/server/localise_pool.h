@@ -21,8 +21,9 @@ using LocaliseFunction = std::function<Result<localiser::Localisation>(const Loc
 struct LocalisePoolOptions {
   int threads = 1;             ///< [1, 256]
   std::size_t max_queue = 16;  ///< >= 1; beyond this devices are told "busy"
-  /// An image that would have to wait longer, or has, is of no use any more: "busy", >= 0.
-  std::chrono::duration<double> max_wait{1.0};
+  /// An image that would have to wait longer, or has, is refused as "busy", >= 0. Phones give up
+  /// after 5 s.
+  std::chrono::duration<double> max_wait{3.0};
 
   Result<void> Validate() const;
 };

@@ -78,7 +78,7 @@ TEST_F(Pool, TheNewestImageOfADeviceWinsAndAFullQueueSaysBusy) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   LocalisePool pool(
-      {.threads = 1, .max_queue = 2},
+      {.threads = 1, .max_queue = 2, .max_wait = std::chrono::hours(1)},
       [&](const LocaliseQuery& query) -> Result<localiser::Localisation> {
         entered_.Push(query.request);
         open.wait();

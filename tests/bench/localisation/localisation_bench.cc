@@ -12,6 +12,7 @@
 #include "mapping/base/file.h"
 #include "mapping/features/features.h"
 #include "mapping/io/submap_file.h"
+#include "mapping/summary/summarise.h"
 #include "tests/evaluation/localisation/conditions.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
 #include "tests/evaluation/localisation/workshop.h"
@@ -46,6 +47,7 @@ struct Flags {
   WorkshopArguments work;
   int submaps = 7;
   int pixels_every = 8;
+  double summary_mb = 0;  ///< submaps are summaries of so many 10^6 bytes; 0: whole
   localiser::LocaliserOptions localiser;
 };
 
@@ -73,10 +75,18 @@ Result<mapping::Release> MapStreet(const ConditionsPlan& plan, const Flags& flag
   WAYMARK_TRY_ASSIGN(std::vector<mapping::ReleasedSubmap> submaps, MapDrives(plan, workshop));
   WAYMARK_TRY_ASSIGN(const mapping::MapDirectory map, OpenWorkshopMap(workshop));
   WAYMARK_TRY_ASSIGN(const auto bytes, LoadFile(map.SubmapPath(submaps.front().id)));
-  WAYMARK_TRY_ASSIGN(const mapping::SubmapModel drive, mapping::DecodeSubmap(bytes));
+  WAYMARK_TRY_ASSIGN(mapping::SubmapModel drive, mapping::DecodeSubmap(bytes));
   fmt::print("a submap of {} images, {} landmarks, {} descriptors, {:.0f} MB\n",
              drive.images.size(), drive.landmarks.size(), drive.observations.size(),
              1e-6 * static_cast<double>(bytes.size()));
+  if (flags.summary_mb > 0) {
+    drive = Summarise(drive, {.max_bytes = static_cast<std::size_t>(1e6 * flags.summary_mb)});
+    WAYMARK_TRY_ASSIGN(const auto small, mapping::EncodeSubmap(drive));
+    WAYMARK_TRY_ASSIGN(submaps.front().id, map.StoreSubmap(small));
+    submaps.resize(1, submaps.front());
+    fmt::print("its summary: {} landmarks, {} descriptors, {:.2f} MB\n", drive.landmarks.size(),
+               drive.observations.size(), 1e-6 * static_cast<double>(small.size()));
+  }
   while (submaps.size() < static_cast<std::size_t>(flags.submaps)) {
     mapping::SubmapModel other = drive;
     ChangeWeather(submaps.size(), other);
@@ -165,6 +175,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   app.add_option("--probes", flags.localiser.probes, "inverted lists per feature")
+      ->capture_default_str();
+  app.add_option("--summary-mb", flags.summary_mb,
+                 "search summaries of one drive's submap, of so many 10^6 bytes")
       ->capture_default_str();
   app.add_flag("--quick", is_quick, "a tiny world, to try the program");
   CLI11_PARSE(app, argc, argv);

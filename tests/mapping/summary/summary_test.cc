@@ -41,7 +41,6 @@ TEST(LandmarkOrder, HoldsEverySeenLandmarkOnceWithSightingsOfItsOwn) {
   for (const ChosenLandmark& chosen : order) {
     EXPECT_TRUE(ordered.insert(chosen.landmark).second);
     ASSERT_FALSE(chosen.observations.empty());
-    EXPECT_TRUE(std::ranges::is_sorted(chosen.observations));
     for (const std::uint32_t index : chosen.observations) {
       EXPECT_EQ(model.observations[index].landmark, chosen.landmark);
     }
@@ -101,6 +100,9 @@ TEST(Summary, FitsItsBytesAndKeepsImagesAndPlaces) {
     std::vector<int> descriptors(summary.landmarks.size());
     for (const LandmarkObservation& seen : summary.observations) ++descriptors[seen.landmark];
     EXPECT_THAT(descriptors, Each(testing::AllOf(testing::Ge(1), Le(3))));
+    const bool has_all = summary.landmarks.size() == model.landmarks.size();
+    EXPECT_TRUE(has_all || *std::ranges::max_element(descriptors) == 1)
+        << "a landmark more is worth more than a second descriptor";
   }
 }
 
