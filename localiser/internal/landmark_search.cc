@@ -17,14 +17,6 @@ using mapping::DescriptorAngle;
 
 std::size_t GroupsNeeded(std::size_t entries) { return (entries + kGroupLanes - 1) / kGroupLanes; }
 
-// Lists are short and lie anywhere: without this each begins with a wait for memory.
-void Prefetch(std::span<const DescriptorGroup> groups) {
-  constexpr std::size_t kLine = 64;
-  constexpr std::size_t kMostGroups = 16;
-  const auto bytes = std::as_bytes(groups.first(std::min(groups.size(), kMostGroups)));
-  for (std::size_t at = 0; at < bytes.size(); at += kLine) __builtin_prefetch(&bytes[at]);
-}
-
 }  // namespace
 
 LandmarkSearch::LandmarkSearch(std::span<const Descriptor> descriptors,
@@ -133,7 +125,6 @@ std::vector<LandmarkMatch> LandmarkSearch::Match(std::span<const Descriptor> fea
   std::vector<std::uint32_t> all(has_lists_ ? 0 : features.size());
   std::iota(all.begin(), all.end(), 0U);
   for (std::size_t list = 0; list < list_count(); ++list) {
-    if (list + 1 < list_count()) Prefetch(GroupsOf(list + 1));
     MeetGroups(GroupsOf(list), static_cast<std::int32_t>(list_begins_[list]), queries,
                has_lists_ ? cells.VisitorsOf(list) : all, best);
   }
