@@ -31,7 +31,8 @@ std::string PhoneTable(const std::vector<WalkedPhone>& phones,
 
 std::string AnchorTable(const AnchorFigures& anchor) {
   std::string text = fmt::format(
-      "anchor {} placed by {}; views at most {:.1f} cm apart; two phones show it {:.1f} cm (median) and "
+      "anchor {} placed by {}; views at most {:.1f} cm apart; two phones show it {:.1f} cm "
+      "(median) and "
       "{:.1f} cm (95 %) apart, in {} pairs of frames\n",
       anchor.id.substr(0, 8), anchor.owner, anchor.spread_cm, anchor.agreement_p50_cm,
       anchor.agreement_p95_cm, anchor.agreement_pairs);

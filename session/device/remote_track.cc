@@ -38,9 +38,9 @@ Eigen::Vector3d Hermite(const LivePose& a, const LivePose& b, double span_s, dou
 }
 
 double SigmaAfter(double sigma_m, double elapsed_s) {
-  const double unseen_m = kVelocitySigma_mps * elapsed_s +
-                          std::min(kAcceleration_mps2 / 2 * elapsed_s * elapsed_s,
-                                   kWalking_mps * elapsed_s);
+  const double unseen_m =
+      kVelocitySigma_mps * elapsed_s +
+      std::min(kAcceleration_mps2 / 2 * elapsed_s * elapsed_s, kWalking_mps * elapsed_s);
   return std::hypot(sigma_m, unseen_m);
 }
 
@@ -52,9 +52,9 @@ void RemoteTrack::Hear(const LivePose& pose, ServerTime arrived) {
     heard_.clear();
     offset_.setZero();
   }
-  const auto place = std::upper_bound(
-      heard_.begin(), heard_.end(), pose,
-      [](const LivePose& a, const LivePose& b) { return a.time < b.time; });
+  const auto place =
+      std::upper_bound(heard_.begin(), heard_.end(), pose,
+                       [](const LivePose& a, const LivePose& b) { return a.time < b.time; });
   if (place != heard_.begin() && std::prev(place)->time == pose.time) return;
   const std::optional<Shown> before = At(arrived);
   heard_.insert(place, pose);
@@ -74,8 +74,8 @@ void RemoteTrack::AdaptTo(Duration lateness, ServerTime arrived) {
   const auto at = sorted.begin() +
                   static_cast<std::ptrdiff_t>(kLateShare * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), at, sorted.end());
-  const Duration wanted = std::clamp(Duration(*at) - options_.horizon, Duration(0),
-                                     options_.max_delay);
+  const Duration wanted =
+      std::clamp(Duration(*at) - options_.horizon, Duration(0), options_.max_delay);
   const double elapsed_s = arrived_ ? std::max(0.0, Seconds(arrived - *arrived_)) : 0;
   delay_ = std::clamp(wanted, delay_ - Duration(kShrinksBy * elapsed_s),
                       delay_ + Duration(kGrowsBy * elapsed_s));
@@ -85,9 +85,9 @@ std::optional<RemoteTrack::Shown> RemoteTrack::At(ServerTime now) const {
   if (heard_.empty()) return std::nullopt;
   // Before the session's clock is known, the newest is as good as any.
   const bool is_plausible = now > heard_.back().time - kImplausible;
-  const ServerTime wanted =
-      is_plausible ? now - std::chrono::duration_cast<std::chrono::nanoseconds>(delay_)
-                   : heard_.back().time;
+  const ServerTime wanted = is_plausible
+                                ? now - std::chrono::duration_cast<std::chrono::nanoseconds>(delay_)
+                                : heard_.back().time;
   Shown shown = Predict(wanted);
   shown.sigma_m = std::hypot(shown.sigma_m, heard_.back().velocity_in_map.norm() * delay_.count());
   if (arrived_ && now > *arrived_ - kImplausible) {
@@ -101,9 +101,9 @@ std::optional<RemoteTrack::Shown> RemoteTrack::At(ServerTime now) const {
 
 RemoteTrack::Shown RemoteTrack::Predict(ServerTime instant) const {
   if (instant >= heard_.back().time) return Extrapolate(instant);
-  const auto after = std::upper_bound(
-      heard_.begin(), heard_.end(), instant,
-      [](ServerTime wanted, const LivePose& pose) { return wanted < pose.time; });
+  const auto after =
+      std::upper_bound(heard_.begin(), heard_.end(), instant,
+                       [](ServerTime wanted, const LivePose& pose) { return wanted < pose.time; });
   if (after == heard_.begin()) return {heard_.front().map_from_device, heard_.front().sigma_m};
   const LivePose& a = *std::prev(after);
   const LivePose& b = *after;

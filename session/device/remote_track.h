@@ -20,9 +20,9 @@ struct PlayoutOptions {
 
 /// Where another phone is, now: its reports come late, unevenly and sometimes not at all.
 ///
-/// - A buffer delays what is shown by no more than it must: by the lateness that 95 % of the reports
-///   keep below, less the horizon, and not for long. It follows changes of the network slowly, so that motion shown
-///   does not hurry.
+/// - A buffer delays what is shown by no more than it must: by the lateness that 95 % of the
+///   reports keep below, less the horizon, and not for long. It follows changes of the network
+///   slowly, so that motion shown does not hurry.
 /// - Between two reports the pose is interpolated: a cubic through positions and velocities, and
 ///   rotation along the great circle. Beyond the last it goes on, ever more slowly, and its sigma
 ///   grows.
@@ -53,7 +53,7 @@ class RemoteTrack {
   void AdaptTo(std::chrono::duration<double> lateness, ServerTime arrived);
 
   PlayoutOptions options_;
-  std::deque<LivePose> heard_;    // by time
+  std::deque<LivePose> heard_;     // by time
   std::deque<double> lateness_s_;  // of the last reports
   std::chrono::duration<double> delay_{0};
   std::optional<ServerTime> arrived_;  // the last one

@@ -50,7 +50,8 @@ void RoomView::BeginResync() {
 
 void RoomView::On(const Presence& presence) {
   if (presence.device == self_) return;
-  others_.insert_or_assign(presence.device, Other{presence, RemoteTrack(), std::nullopt, delivery_});
+  others_.insert_or_assign(presence.device,
+                           Other{presence, RemoteTrack(), std::nullopt, delivery_});
   if (presence.run == run_) numbers_.insert_or_assign(presence.number, presence.device);
 }
 

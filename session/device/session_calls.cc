@@ -81,14 +81,14 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
     const std::optional<ServerTime> session_time =
         session_clock_.ToSession(options_.clock ? time : stamp_clock_.ToSteady(time));
     if (!pose.map_from_device || !session_time) return;
-    report = PoseReport{
-        .ticket = join_.welcome()->ticket,
-        .pose = {.epoch = pose.epoch,
-                 .time = *session_time,
-                 .map_from_device = *pose.map_from_device,
-                 .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3),
-                 .velocity_in_map = tracker_.VelocityInMap(),
-                 .gaze_in_map = pose.map_from_device->rotation() * gaze_in_device_}};
+    report =
+        PoseReport{.ticket = join_.welcome()->ticket,
+                   .pose = {.epoch = pose.epoch,
+                            .time = *session_time,
+                            .map_from_device = *pose.map_from_device,
+                            .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3),
+                            .velocity_in_map = tracker_.VelocityInMap(),
+                            .gaze_in_map = pose.map_from_device->rotation() * gaze_in_device_}};
     last_report_ = time;
   }
   (void)link_->Send(*report);  // the next one is better anyway

@@ -48,9 +48,9 @@ class Gateway::Hub {
   }
 
   Result<void> Listen() {
-    WAYMARK_TRY_ASSIGN(line_, wire::GatewayLine::Create(
-                                  participant_, GatewayId{RandomBits()},
-                                  [this](const ClockPong& pong) { Hand(pong); }));
+    WAYMARK_TRY_ASSIGN(line_,
+                       wire::GatewayLine::Create(participant_, GatewayId{RandomBits()},
+                                                 [this](const ClockPong& pong) { Hand(pong); }));
     FlushAgain();
     WAYMARK_TRY_ASSIGN(listener_, socket::Listen(loop_, options_.listen,
                                                  [this](std::shared_ptr<socket::Channel> channel) {

@@ -99,11 +99,8 @@ void Publisher::TellDevices(const effect::PublishPoses& effect, ServerTime now) 
   PoseRelay& relay = audience->second.relay;
   relay.Hear(effect.epoch, effect.poses, now);
   relay.FinishHearing();
-  PoseBatch batch{.tick = effect.tick,
-                  .epoch = effect.epoch,
-                  .run = effect.run,
-                  .time = now,
-                  .poses = {}};
+  PoseBatch batch{
+      .tick = effect.tick, .epoch = effect.epoch, .run = effect.run, .time = now, .poses = {}};
   for (auto& [device, listener] : audience->second.listeners) {
     if (!bus_.HearsPoses(device)) continue;
     batch.poses.clear();

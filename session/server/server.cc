@@ -67,11 +67,10 @@ class Server::Loop {
         }) {}
 
   Result<void> Start(const ServerOptions& options) {
-    WAYMARK_TRY_ASSIGN(bus_,
-                       wire::ServerBus::Create(
-                           BusOptions(options),
-                           [this](wire::Upward message) { Receive(std::move(message)); },
-                           [this](GatewayReport report) { Receive(std::move(report)); }));
+    WAYMARK_TRY_ASSIGN(bus_, wire::ServerBus::Create(
+                                 BusOptions(options),
+                                 [this](wire::Upward message) { Receive(std::move(message)); },
+                                 [this](GatewayReport report) { Receive(std::move(report)); }));
     publisher_.emplace(*bus_, options.relay, counters_);
     thread_ = std::thread([this] { Work(); });
     return {};

@@ -32,7 +32,7 @@ inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
-inline constexpr std::size_t kMaxPosesPerBatch = 52;    ///< 52 * 24 octets fit one fragment
+inline constexpr std::size_t kMaxPosesPerBatch = 52;     ///< 52 * 24 octets fit one fragment
 inline constexpr std::size_t kMaxPerGatewayReport = 64;  ///< poses, pings, pongs
 inline constexpr double kMaxSpeed_mps = 32;              ///< of a shared pose; faster ones are cut
 inline constexpr double kMaxCoordinate_m = 1e6;
@@ -87,7 +87,7 @@ struct LivePose {
   std::uint64_t epoch = 1;
   ServerTime time;
   Transform<Map, Device> map_from_device;
-  double sigma_m = 0;  ///< of the position
+  double sigma_m = 0;                                         ///< of the position
   Eigen::Vector3d velocity_in_map = Eigen::Vector3d::Zero();  ///< m/s
   /// Where the camera looks, a unit vector; zero when not known. Others are not told.
   Eigen::Vector3d gaze_in_map = Eigen::Vector3d::Zero();

@@ -9,7 +9,7 @@ namespace waymark::session {
 namespace {
 
 constexpr double kFinest_m = 4;
-constexpr int kCoarsestLevel = 4;           // 64 m
+constexpr int kCoarsestLevel = 4;          // 64 m
 constexpr std::int64_t kMiddle = 1 << 24;  // cells from the map's origin that exist
 
 std::int64_t CellAlong(double coordinate_m, int level) {
@@ -46,10 +46,9 @@ PoseGrid::Neighbourhood PoseGrid::AtLevel(const Eigen::Vector3d& position_m, int
   Neighbourhood found;
   const std::int64_t x = CellAlong(position_m.x(), level), y = CellAlong(position_m.y(), level);
   const auto first_of = [&](std::uint64_t cell) {
-    return std::lower_bound(standing_.begin(), standing_.end(), cell << 2 * level,
-                            [](const Standing& one, std::uint64_t wanted) {
-                              return one.cell < wanted;
-                            });
+    return std::lower_bound(
+        standing_.begin(), standing_.end(), cell << 2 * level,
+        [](const Standing& one, std::uint64_t wanted) { return one.cell < wanted; });
   };
   std::size_t run = 0;
   for (std::int64_t dy = -1; dy <= 1; ++dy) {

@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kLeastBytesPerS = 2000;
 constexpr double kBytesOfPose = 24;
-constexpr double kBytesOfBatch = 64;     // what goes before its poses, on the largest of the ways
-constexpr double kSaved_s = 0.1;         // of the budget, at most
-constexpr std::size_t kShareInTurn = 8;  // one of so many places
-constexpr std::size_t kLooksInTurn = 64;   // of a choice
+constexpr double kBytesOfBatch = 64;      // what goes before its poses, on the largest of the ways
+constexpr double kSaved_s = 0.1;          // of the budget, at most
+constexpr std::size_t kShareInTurn = 8;   // one of so many places
+constexpr std::size_t kLooksInTurn = 64;  // of a choice
 constexpr std::uint32_t kForgets_ms = 2000;
 constexpr double kLongest_s = 10;  // until a new pose is due in any case
 constexpr double kNever_s = 1e6;   // since something that has not been yet
@@ -33,8 +33,8 @@ Result<void> RelayOptions::Validate() const {
                      kLeastBytesPerS, bytes_per_s);
   }
   if (max_neighbours < 16) {
-    return MakeError(ErrorCode::kInvalidArgument, "relay: expected at least 16 neighbours, found {}",
-                     max_neighbours);
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "relay: expected at least 16 neighbours, found {}", max_neighbours);
   }
   return {};
 }
@@ -97,8 +97,7 @@ std::span<const PoseRelay::Slot> PoseRelay::Choose(Listener& listener) {
   if (viewpoint) ChooseNeighbours(*viewpoint, places - in_turn, listener);
   ChooseInTurn(viewpoint, places, listener);
   if (!chosen_.empty()) {
-    listener.allowance_bytes_ -=
-        kBytesOfBatch + kBytesOfPose * static_cast<double>(chosen_.size());
+    listener.allowance_bytes_ -= kBytesOfBatch + kBytesOfPose * static_cast<double>(chosen_.size());
   }
   return chosen_;
 }
@@ -115,9 +114,8 @@ std::optional<PoseRelay::Viewpoint> PoseRelay::ViewpointOf(const Listener& liste
   const auto own = slots_.find(listener.number_);
   if (own == slots_.end()) return std::nullopt;
   const LivePose& pose = poses_[own->second].pose;
-  return Viewpoint{pose.map_from_device.translation(), listener.gaze_in_map_.isZero()
-                                                           ? pose.gaze_in_map
-                                                           : listener.gaze_in_map_};
+  return Viewpoint{pose.map_from_device.translation(),
+                   listener.gaze_in_map_.isZero() ? pose.gaze_in_map : listener.gaze_in_map_};
 }
 
 double PoseRelay::SinceTold_s(Slot slot, const Listener& listener) const {
@@ -133,8 +131,8 @@ PoseRelay::Candidate PoseRelay::Weigh(Slot slot, const std::optional<Viewpoint>&
     const Eigen::Vector3d towards = pose.map_from_device.translation() - viewpoint->position_m;
     const double distance_m = std::max(towards.norm(), kLeastDistance_m);
     motion = std::max(pose.velocity_in_map.norm(), kLeastSpeed_mps) / distance_m;
-    const bool is_out_of_view = !viewpoint->gaze.isZero() &&
-                                viewpoint->gaze.dot(towards) < kInView * towards.norm();
+    const bool is_out_of_view =
+        !viewpoint->gaze.isZero() && viewpoint->gaze.dot(towards) < kInView * towards.norm();
     if (is_out_of_view) motion *= kOutOfViewCounts;
   }
   return {slot, motion, motion * SinceTold_s(slot, listener)};
@@ -178,12 +176,10 @@ void PoseRelay::ChooseNeighbours(const Viewpoint& viewpoint, std::size_t places,
   if (candidates_.size() > places) {
     const auto half = candidates_.begin() + static_cast<std::ptrdiff_t>(places / 2);
     const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(places);
-    std::nth_element(
-        candidates_.begin(), half, candidates_.end(),
-        [](const Candidate& a, const Candidate& b) { return a.motion > b.motion; });
-    std::nth_element(half, end, candidates_.end(), [](const Candidate& a, const Candidate& b) {
-      return a.moved > b.moved;
-    });
+    std::nth_element(candidates_.begin(), half, candidates_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.motion > b.motion; });
+    std::nth_element(half, end, candidates_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.moved > b.moved; });
     candidates_.resize(places);
   }
   for (const Candidate& candidate : candidates_) Tell(candidate.slot, listener);

@@ -20,16 +20,16 @@ struct RelayOptions {
 
 /// Decides who is told whose pose in a tick, within a budget for each listener: in any time t no
 /// more than bytes_per_s * (t + 0.1 s), 64 for a batch and 24 for each pose in it. Those that
-/// would be seen to move most come first: near, fast, and where the listener looks. In numbers, with
-/// v a phone's speed (0.15 m/s at least), d its distance (1 m at least) and g = 1 within 60 degrees
-/// of the gaze and 1/4 elsewhere, it moves by v g / d on the screen, in rad/s.
+/// would be seen to move most come first: near, fast, and where the listener looks. In numbers,
+/// with v a phone's speed (0.15 m/s at least), d its distance (1 m at least) and g = 1 within 60
+/// degrees of the gaze and 1/4 elsewhere, it moves by v g / d on the screen, in rad/s.
 ///
 /// - A pose is due when it is new and either nearer than 20 m, or it would be seen to have moved by
 ///   2 mrad since the listener was last told, or 10 s have passed.
-/// - Of the neighbours that are due, those that move most have half of the places to themselves; the
-///   rest go to those that have moved most since they were last told.
-/// - An eighth of the places, and all that are left, go to everybody in turn, near or far: with n in
-///   the room and k places in a tick nobody is forgotten for longer than 10 s and 8 n / k ticks.
+/// - Of the neighbours that are due, those that move most have half of the places to themselves;
+///   the rest go to those that have moved most since they were last told.
+/// - An eighth of the places, and all that are left, go to everybody in turn, near or far: with n
+///   in the room and k places in a tick nobody is forgotten for longer than 10 s and 8 n / k ticks.
 ///
 /// The cost for one listener is bounded by `max_neighbours`, whatever the size of the crowd. Pure:
 /// the same calls give the same choices. Thread-compatible.
@@ -54,9 +54,9 @@ class PoseRelay {
 
     DeviceNumber number_;
     Eigen::Vector3d gaze_in_map_ = Eigen::Vector3d::Zero();
-    std::vector<Told> told_;           // by slot
-    Slot turn_ = 0;                    // whose turn it is next
-    double allowance_bytes_ = 1e9;     // cut to what it may be when it is used
+    std::vector<Told> told_;        // by slot
+    Slot turn_ = 0;                 // whose turn it is next
+    double allowance_bytes_ = 1e9;  // cut to what it may be when it is used
     std::uint32_t allowance_at_ms_ = 0;
   };
 

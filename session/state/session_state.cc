@@ -96,11 +96,8 @@ void SessionState::PublishPoses(const RoomId& id, const Room& room, Step& step) 
     member.pose_published = step.now;
   }
   if (poses.empty()) return;
-  step.effects.push_back(effect::PublishPoses{.room = id,
-                                              .run = run_,
-                                              .tick = tick_,
-                                              .epoch = map_.epoch,
-                                              .poses = std::move(poses)});
+  step.effects.push_back(effect::PublishPoses{
+      .room = id, .run = run_, .tick = tick_, .epoch = map_.epoch, .poses = std::move(poses)});
 }
 
 void SessionState::PublishState(const RoomId& id, const Room& room, Step& step) {

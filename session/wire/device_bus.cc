@@ -48,8 +48,7 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
                                                      Handler handler) {
   WAYMARK_TRY(CheckIdentity(room, device));
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room));
-  std::unique_ptr<Impl> impl(
-      new Impl{std::move(writers), device, Readers(std::move(participant))});
+  std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
   WAYMARK_TRY(readers.ListenToOwn(room, device, handler));
   WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));

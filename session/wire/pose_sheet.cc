@@ -16,9 +16,8 @@ static_assert(kPoseBytes == 24);
 }  // namespace
 
 PoseSheet::PoseSheet(const PoseBatch& tick, std::span<const SharedPose> poses) {
-  const Eigen::Vector3d middle = poses.empty()
-                                     ? Eigen::Vector3d::Zero().eval()
-                                     : poses.front().pose.map_from_device.translation();
+  const Eigen::Vector3d middle = poses.empty() ? Eigen::Vector3d::Zero().eval()
+                                               : poses.front().pose.map_from_device.translation();
   // A batch counts from its first pose, so the head is cut from one that has it.
   PoseBatch first = tick;
   first.poses.assign(poses.begin(), poses.begin() + std::min<std::ptrdiff_t>(poses.size(), 1));

@@ -49,8 +49,8 @@ waymark_PoseReport Encode(const PoseReport& report, Scratch&) {
   wire.session_time_ns = ToNanoseconds(pose.time);
   EncodeCompactPose(pose.map_from_device.rigid(), wire.map_position_m, wire.map_quaternion_xyzw);
   for (int axis = 0; axis < 3; ++axis) {
-    wire.map_velocity_mps[axis] = static_cast<float>(
-        std::clamp(pose.velocity_in_map[axis], -kMaxSpeed_mps, kMaxSpeed_mps));
+    wire.map_velocity_mps[axis] =
+        static_cast<float>(std::clamp(pose.velocity_in_map[axis], -kMaxSpeed_mps, kMaxSpeed_mps));
   }
   EncodeGaze(pose.gaze_in_map, wire.map_gaze);
   return wire;
@@ -76,10 +76,10 @@ Result<PoseReport> Decode(const waymark_PoseReport& wire) {
 
 waymark_PoseBatch Encode(const PoseBatch& batch, Scratch& scratch) {
   CHECK(batch.poses.size() <= kMaxPosesPerBatch, "a batch of {} poses", batch.poses.size());
-  const PoseReference reference = ReferenceNear(
-      batch.poses.empty() ? Eigen::Vector3d::Zero().eval()
-                          : batch.poses.front().pose.map_from_device.translation(),
-      batch.time);
+  const PoseReference reference =
+      ReferenceNear(batch.poses.empty() ? Eigen::Vector3d::Zero().eval()
+                                        : batch.poses.front().pose.map_from_device.translation(),
+                    batch.time);
   auto* const poses = scratch.Allocate<waymark_SharedPose>(batch.poses.size());
   for (std::size_t i = 0; i < batch.poses.size(); ++i) {
     poses[i] = EncodeSharedPose(batch.poses[i], reference);
@@ -105,8 +105,7 @@ Result<PoseBatch> Decode(const waymark_PoseBatch& wire) {
                   .time = FromNanoseconds<ServerTime>(wire.session_time_ns),
                   .poses = {}};
   PoseReference reference{.time = batch.time};
-  std::copy(std::begin(wire.map_origin_m), std::end(wire.map_origin_m),
-            reference.origin_m.begin());
+  std::copy(std::begin(wire.map_origin_m), std::end(wire.map_origin_m), reference.origin_m.begin());
   const auto poses = Items(wire.poses);
   for (const auto& pose : poses.first(std::min(poses.size(), kMaxPosesPerBatch))) {
     WAYMARK_TRY_ASSIGN(const SharedPose shared, DecodeSharedPose(pose, reference, batch.epoch));

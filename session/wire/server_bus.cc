@@ -57,9 +57,8 @@ struct ServerBus::Impl {
 
   template <typename Message>
   Result<void> Listen(const Handler& handler) {
-    return Listen<Message>(AnyUpPartition(), [handler](Message message) {
-      handler(Upward(std::move(message)));
-    });
+    return Listen<Message>(AnyUpPartition(),
+                           [handler](Message message) { handler(Upward(std::move(message))); });
   }
 
   template <typename Message, typename OnMessage>

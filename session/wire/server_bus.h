@@ -17,8 +17,7 @@ class ServerBus {
   using GatewayHandler = std::function<void(GatewayReport)>;
 
   static Result<std::unique_ptr<ServerBus>> Create(const dds::ParticipantOptions& options,
-                                                   Handler handler,
-                                                   GatewayHandler gateway_handler);
+                                                   Handler handler, GatewayHandler gateway_handler);
   ~ServerBus();
 
   /// What is published to a room that is not open, or sent to a device that is not, goes nowhere.

@@ -132,7 +132,8 @@ waymark_SharedPose EncodeSharedPose(const SharedPose& shared, const PoseReferenc
   PackRotation(pose.map_from_device.rotation(), wire.rotation);
   if (!is_fine) wire.rotation[2] |= kTopBit;
   const double age_ns = static_cast<double>((reference.time - pose.time).count());
-  wire.age = static_cast<std::int16_t>(std::clamp(std::round(age_ns / kAgeStep_ns), -32767.0, 32767.0));
+  wire.age =
+      static_cast<std::int16_t>(std::clamp(std::round(age_ns / kAgeStep_ns), -32767.0, 32767.0));
   wire.sigma = PackSigma(pose.sigma_m);
   for (int axis = 0; axis < 3; ++axis) wire.velocity[axis] = PackSpeed(pose.velocity_in_map[axis]);
   return wire;
@@ -142,20 +143,19 @@ Result<SharedPose> DecodeSharedPose(const waymark_SharedPose& wire, const PoseRe
                                     std::uint64_t epoch) {
   const bool is_fine = (wire.rotation[2] & kTopBit) == 0;
   const auto& origin = reference.origin_m;
-  const Eigen::Vector3d position =
-      Eigen::Vector3d(origin[0], origin[1], origin[2]) +
-      UnpackPosition(Bits{wire.position[0]} << 32 | wire.position[1],
-                     is_fine ? kFine_m : kCoarse_m);
+  const Eigen::Vector3d position = Eigen::Vector3d(origin[0], origin[1], origin[2]) +
+                                   UnpackPosition(Bits{wire.position[0]} << 32 | wire.position[1],
+                                                  is_fine ? kFine_m : kCoarse_m);
   for (const double coordinate : position) {
     WAYMARK_TRY(CheckRange(coordinate, -kMaxCoordinate_m, kMaxCoordinate_m, "position"));
   }
   WAYMARK_TRY_ASSIGN(const Eigen::Quaterniond rotation, UnpackRotation(wire.rotation));
-  SharedPose shared{.number = DeviceNumber{wire.number},
-                    .pose = {.epoch = epoch,
-                             .time = reference.time -
-                                     std::chrono::nanoseconds(wire.age * std::int64_t{500'000}),
-                             .map_from_device = Transform<Map, Device>(rotation, position),
-                             .sigma_m = UnpackSigma(wire.sigma)}};
+  SharedPose shared{
+      .number = DeviceNumber{wire.number},
+      .pose = {.epoch = epoch,
+               .time = reference.time - std::chrono::nanoseconds(wire.age * std::int64_t{500'000}),
+               .map_from_device = Transform<Map, Device>(rotation, position),
+               .sigma_m = UnpackSigma(wire.sigma)}};
   for (int axis = 0; axis < 3; ++axis) {
     shared.pose.velocity_in_map[axis] = UnpackSpeed(wire.velocity[axis]);
   }

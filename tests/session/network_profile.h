@@ -22,27 +22,23 @@ struct NetworkProfile {
   bool is_stream = false;  ///< as through a gateway: what is lost is sent again, what follows waits
 };
 
-inline NetworkProfile FourG() {
-  return {"4G", 0.045, 0.010, 0.1, 0.02, 0.02, 0.2};
-}
-inline NetworkProfile ThreeG() {
-  return {"3G", 0.110, 0.040, 0.3, 0.03, 0.03, 0.5};
-}
-inline NetworkProfile Crowded() {
-  return {"crowded", 0.060, 0.080, 0.3, 0.15, 0.05, 2.0};
-}
+inline NetworkProfile FourG() { return {"4G", 0.045, 0.010, 0.1, 0.02, 0.02, 0.2}; }
+inline NetworkProfile ThreeG() { return {"3G", 0.110, 0.040, 0.3, 0.03, 0.03, 0.5}; }
+inline NetworkProfile Crowded() { return {"crowded", 0.060, 0.080, 0.3, 0.15, 0.05, 2.0}; }
 
 /// One way through a network, with the same chances each time.
 class NetworkPath {
  public:
-  NetworkPath(const NetworkProfile& profile, std::uint64_t seed) : profile_(profile), random_(seed) {}
+  NetworkPath(const NetworkProfile& profile, std::uint64_t seed)
+      : profile_(profile), random_(seed) {}
 
   /// When a message arrives that is sent then; nothing when it is lost. Call it in order.
   std::optional<double> ArrivalOf(double sent_s) {
     std::uniform_real_distribution<double> chance(0, 1);
     const double elapsed_s = std::max(0.0, sent_s - last_s_);
     last_s_ = sent_s;
-    if (chance(random_) < profile_.outages_per_s * elapsed_s) out_until_s_ = sent_s + profile_.outage_s;
+    if (chance(random_) < profile_.outages_per_s * elapsed_s)
+      out_until_s_ = sent_s + profile_.outage_s;
     // An exponential that forgets: its mean is queue_s at any moment.
     const double kept = std::exp(-elapsed_s / profile_.queue_lasts_s);
     const double fresh = -std::log(1 - chance(random_)) * profile_.queue_s;

@@ -34,11 +34,13 @@ Stroller::Stroller(std::uint64_t seed) {
   double gaze_rate = 0;
   Eigen::Vector3d position(0, 0, 1.5), velocity = Eigen::Vector3d::Zero();
   for (double time_s = 0; time_s <= kDuration_s + 5; time_s += kStep_s) {
-    if (chance(random) < 0.2 * kStep_s) wanted_mps = chance(random) < 0.3 ? 0 : 1.0 + chance(random);
+    if (chance(random) < 0.2 * kStep_s)
+      wanted_mps = chance(random) < 0.3 ? 0 : 1.0 + chance(random);
     if (chance(random) < 0.25 * kStep_s) wanted_heading += 0.9 * normal(random);
     if (chance(random) < 0.5 * kStep_s) wanted_gaze = 0.6 * normal(random);
     heading += kStep_s / 0.4 * (wanted_heading - heading);
-    const Eigen::Vector3d wanted = wanted_mps * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0);
+    const Eigen::Vector3d wanted =
+        wanted_mps * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0);
     const Eigen::Vector3d push = (wanted - velocity) / 0.35;
     velocity += kStep_s * (push.norm() > 2.5 ? Eigen::Vector3d(2.5 * push.normalized()) : push);
     position += kStep_s * velocity;
@@ -62,9 +64,9 @@ LivePose Stroller::PoseAt(double time_s) const {
   const auto at = std::min(static_cast<std::size_t>(step), path_.size() - 2);
   LivePose pose = path_[at];
   pose.time = At(time_s);
-  pose.map_from_device = Transform<Map, Device>(
-      Interpolate(path_[at].map_from_device.rigid(), path_[at + 1].map_from_device.rigid(),
-                  step - static_cast<double>(at)));
+  pose.map_from_device = Transform<Map, Device>(Interpolate(path_[at].map_from_device.rigid(),
+                                                            path_[at + 1].map_from_device.rigid(),
+                                                            step - static_cast<double>(at)));
   return pose;
 }
 

@@ -24,7 +24,8 @@ class Crowd {
     for (std::uint32_t i = 0; i < people; ++i) {
       const double heading = turn(random);
       SharedPose pose{DeviceNumber{i + 1}, {.time = {}, .map_from_device = {}}};
-      pose.pose.map_from_device = {Eigen::Quaterniond::Identity(), {place(random), place(random), 1}};
+      pose.pose.map_from_device = {Eigen::Quaterniond::Identity(),
+                                   {place(random), place(random), 1}};
       pose.pose.velocity_in_map = 1.4 * Eigen::Vector3d(std::cos(heading), std::sin(heading), 0);
       pose.pose.gaze_in_map = Eigen::Vector3d(std::cos(heading), std::sin(heading), 0);
       poses_.push_back(pose);
@@ -65,7 +66,9 @@ std::vector<std::uint32_t> Numbers(const PoseRelay& relay, std::span<const PoseR
   return numbers;
 }
 
-double BytesOf(std::size_t poses) { return poses == 0 ? 0 : 64 + 24.0 * static_cast<double>(poses); }
+double BytesOf(std::size_t poses) {
+  return poses == 0 ? 0 : 64 + 24.0 * static_cast<double>(poses);
+}
 
 TEST(PoseRelay, AFewAreToldOfEachOtherEveryTick) {
   PoseRelay relay({});
@@ -134,10 +137,10 @@ TEST(PoseRelay, WhoIsNearAndMovesIsToldEveryTickInAnyCrowd) {
   for (std::uint32_t number = 4; number < 10; ++number) {  // they walk before its eyes
     crowd[number].pose = crowd[kSelf].pose;
     const double side_m = 0.5 * (number - 6.5);
-    crowd[number].pose.map_from_device = {
-        Eigen::Quaterniond::Identity(),
-        crowd[kSelf].pose.map_from_device.translation() + 2 * crowd[kSelf].pose.gaze_in_map +
-            Eigen::Vector3d(0, 0, side_m)};
+    crowd[number].pose.map_from_device = {Eigen::Quaterniond::Identity(),
+                                          crowd[kSelf].pose.map_from_device.translation() +
+                                              2 * crowd[kSelf].pose.gaze_in_map +
+                                              Eigen::Vector3d(0, 0, side_m)};
   }
   int told = 0;
   for (int tick = 0; tick < 90; ++tick) {

@@ -15,12 +15,12 @@ using support::QuantileOf;
 constexpr ServerTime kStart{std::chrono::hours(1)};
 
 LivePose Walking(milliseconds since_start, double speed_mps = 1.5) {
-  return {.epoch = 1,
-          .time = kStart + since_start,
-          .map_from_device = {Eigen::Quaterniond::Identity(),
-                              {speed_mps * Seconds(since_start), 0, 0}},
-          .sigma_m = 0.05,
-          .velocity_in_map = {speed_mps, 0, 0}};
+  return {
+      .epoch = 1,
+      .time = kStart + since_start,
+      .map_from_device = {Eigen::Quaterniond::Identity(), {speed_mps * Seconds(since_start), 0, 0}},
+      .sigma_m = 0.05,
+      .velocity_in_map = {speed_mps, 0, 0}};
 }
 
 double X(const RemoteTrack& track, milliseconds since_start) {
@@ -29,7 +29,8 @@ double X(const RemoteTrack& track, milliseconds since_start) {
 
 TEST(RemoteTrack, WhoWalksOnIsShownWhereHeIsNow) {
   RemoteTrack track;
-  for (int i = 0; i < 60; ++i) track.Hear(Walking(33 * milliseconds(i)), kStart + 33 * milliseconds(i) + milliseconds(60));
+  for (int i = 0; i < 60; ++i)
+    track.Hear(Walking(33 * milliseconds(i)), kStart + 33 * milliseconds(i) + milliseconds(60));
   const milliseconds now(59 * 33 + 60);
   EXPECT_EQ(track.delay().count(), 0);
   EXPECT_NEAR(X(track, now), 1.5 * Seconds(now), 0.01) << "though the report is 60 ms old";
@@ -53,7 +54,8 @@ TEST(RemoteTrack, WhatIsUnheardSlowsDownAndIsLessCertain) {
 
 TEST(RemoteTrack, ANewReportDoesNotMakeItJump) {
   RemoteTrack track;
-  for (int i = 0; i < 30; ++i) track.Hear(Walking(33 * milliseconds(i)), kStart + 33 * milliseconds(i));
+  for (int i = 0; i < 30; ++i)
+    track.Hear(Walking(33 * milliseconds(i)), kStart + 33 * milliseconds(i));
   LivePose aside = Walking(milliseconds(30 * 33));
   aside.map_from_device = {Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ())),
                            aside.map_from_device.translation() + Eigen::Vector3d(0, 0.2, 0)};
@@ -67,9 +69,12 @@ TEST(RemoteTrack, ANewReportDoesNotMakeItJump) {
 
 TEST(RemoteTrack, LateAndTwiceIsAsGood) {
   RemoteTrack in_order, shuffled;
-  for (const int i : {0, 1, 2, 3, 4}) in_order.Hear(Walking(milliseconds(40 * i)), kStart + milliseconds(300));
-  for (const int i : {4, 0, 2, 2, 1, 3}) shuffled.Hear(Walking(milliseconds(40 * i)), kStart + milliseconds(300));
-  for (const int ms : {500, 900}) EXPECT_NEAR(X(in_order, milliseconds(ms)), X(shuffled, milliseconds(ms)), 0.01);
+  for (const int i : {0, 1, 2, 3, 4})
+    in_order.Hear(Walking(milliseconds(40 * i)), kStart + milliseconds(300));
+  for (const int i : {4, 0, 2, 2, 1, 3})
+    shuffled.Hear(Walking(milliseconds(40 * i)), kStart + milliseconds(300));
+  for (const int ms : {500, 900})
+    EXPECT_NEAR(X(in_order, milliseconds(ms)), X(shuffled, milliseconds(ms)), 0.01);
 }
 
 TEST(RemoteTrack, AnotherEpochBeginsAnew) {
@@ -103,13 +108,15 @@ TEST(RemoteTrack, ANetworkThatIsLateIsWaitedFor) {
 }
 
 TEST(RemoteTrack, IsNearerToTheTruthThanTheLatestReportOnMobileNetworks) {
-  for (support::NetworkProfile profile : {support::FourG(), support::ThreeG(), support::Crowded()}) {
+  for (support::NetworkProfile profile :
+       {support::FourG(), support::ThreeG(), support::Crowded()}) {
     for (const bool is_stream : {false, true}) {
       profile.is_stream = is_stream;
       const auto errors = support::SimulatePlayout(profile, {}, 11);
       const auto print = [&](const char* name, const support::DisplayErrors& shown) {
         fmt::print(
-            "{:<8} {:<9} {:<7} position p50 {:5.1f} p95 {:5.1f} cm, rotation p50 {:4.2f} p95 {:5.2f} "
+            "{:<8} {:<9} {:<7} position p50 {:5.1f} p95 {:5.1f} cm, rotation p50 {:4.2f} p95 "
+            "{:5.2f} "
             "deg, from frame to frame p95 {:4.1f} cm, beyond 3 sigma {:.2f} %\n",
             profile.name, is_stream ? "stream" : "datagrams", name,
             100 * QuantileOf(shown.position_m, 0.5), 100 * QuantileOf(shown.position_m, 0.95),
