@@ -13,6 +13,7 @@
 #include "localiser/internal/query_images.h"
 #include "mapping/base/file.h"
 #include "mapping/io/submap_file.h"
+#include "mapping/matching/descriptor_matching.h"
 #include "mapping/store/map_directory.h"
 
 namespace waymark::localiser {
