@@ -110,6 +110,10 @@ void OdometryAlignment::AddFix(const MapFix& fix) {
   if (fixes_.size() > options_.max_fixes) fixes_.pop_front();
 }
 
+void OdometryAlignment::ShiftTime(std::chrono::nanoseconds by) {
+  for (MapFix& fix : fixes_) fix.time += by;
+}
+
 void OdometryAlignment::ResetOdometry() { fixes_.clear(); }
 
 std::optional<Transform<Map, Map>> OdometryAlignment::CarryTo(

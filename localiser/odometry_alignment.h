@@ -81,6 +81,8 @@ class OdometryAlignment {
   void AddFix(const MapFix& fix);
   /// The odometry lost its frame (app paused, tracking reset): earlier fixes mean nothing now.
   void ResetOdometry();
+  /// The phone's clock was set forward by so much: the fixes are as old as before.
+  void ShiftTime(std::chrono::nanoseconds by);
   /// Another release of the map is live: each fix goes where its submap does, those in submaps that
   /// are not told are forgotten. Returns how the newest fix that stays moved; nullopt: none stays.
   std::optional<Transform<Map, Map>> CarryTo(

@@ -69,6 +69,10 @@ Json EncodeAnchors(const Replay& replay) {
 
 std::string EncodeReplay(const Replay& replay, const Walk& walk, const std::string& name,
                          const DeviceId& device, const session::DeviceStatistics& statistics) {
+  Json latencies_ms = Json::array();
+  for (const session::KeyframeTiming& timing : statistics.keyframe_timings) {
+    latencies_ms.push_back(timing.total_ms);
+  }
   const Json json = {{"name", name},
                      {"device", device.text()},
                      {"statistics",
@@ -76,7 +80,7 @@ std::string EncodeReplay(const Replay& replay, const Walk& walk, const std::stri
                        {"fixes", statistics.fixes},
                        {"refusals", statistics.refusals},
                        {"timeouts", statistics.timeouts},
-                       {"fix_latency_ms", statistics.fix_latency_ms}}},
+                       {"fix_latency_ms", latencies_ms}}},
                      {"track", EncodeTrack(replay, walk)},
                      {"placed", replay.placed ? Json(replay.placed->text()) : Json()},
                      {"place_error", replay.place_error},

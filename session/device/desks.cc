@@ -80,28 +80,50 @@ void JoinDesk::OnPong(const ClockPong& pong, Instant now) {
 
 // ---- ImageDesk --------------------------------------------------------------------------------
 
-bool ImageDesk::Offer(const DeviceFrame& frame, Instant now) {
+ImageDesk::Offered ImageDesk::Offer(const DeviceFrame& frame, Instant now,
+                                    std::size_t waiting_bytes, std::size_t expected_bytes) {
   const bool is_early = last_time_ && frame.time >= *last_time_ &&
                         frame.time - *last_time_ < interval_;  // a clock set back is not early
-  if (stage_ != Stage::kIdle || is_early) return false;
+  const bool is_mostly_here =
+      stage_ == Stage::kUnderWay && 2 * waiting_bytes > sent_->image_bytes && !is_replacement_;
+  const bool is_better =
+      stage_ == Stage::kUnderWay && (waiting_bytes > expected_bytes || is_mostly_here);
+  if (is_early || (stage_ != Stage::kIdle && !is_better)) return Offered::kRefused;
   waiting_ = frame;
   pushed_ = now;
   last_time_ = frame.time;
   stage_ = Stage::kWaiting;
-  return true;
+  sent_.reset();
+  is_replacement_ = is_better;
+  return is_better ? Offered::kInsteadOfOlder : Offered::kTaken;
 }
 
 std::optional<DeviceFrame> ImageDesk::TakeFrame(RequestNumber& request) {
   if (stage_ != Stage::kWaiting) return std::nullopt;
   stage_ = Stage::kUnderWay;
   request = RequestNumber{next_request_++};
-  sent_ = SentFrame{.request = request,
-                    .time = waiting_->time,
-                    .device_from_camera = waiting_->device_from_camera,
-                    .vo_from_device = waiting_->vo_from_device};
+  sent_ = Match{.frame = {.request = request,
+                          .time = waiting_->time,
+                          .device_from_camera = waiting_->device_from_camera,
+                          .vo_from_device = waiting_->vo_from_device},
+                .pushed = pushed_,
+                .sent = pushed_};
   std::optional<DeviceFrame> frame;
   std::swap(frame, waiting_);
   return frame;
+}
+
+void ImageDesk::NoteSent(std::size_t image_bytes, int width_px, Instant now) {
+  if (stage_ != Stage::kUnderWay) return;
+  sent_->sent = now;
+  sent_->image_bytes = image_bytes;
+  sent_->width_px = width_px;
+}
+
+void ImageDesk::ShiftTime(std::chrono::nanoseconds by) {
+  if (sent_) sent_->frame.time += by;
+  if (waiting_) waiting_->time += by;
+  if (last_time_) *last_time_ += by;
 }
 
 void ImageDesk::Abandon() {
@@ -111,8 +133,8 @@ void ImageDesk::Abandon() {
 }
 
 std::optional<ImageDesk::Match> ImageDesk::TakeMatch(RequestNumber request) {
-  if (stage_ != Stage::kUnderWay || sent_->request != request) return std::nullopt;
-  const Match match{*sent_, pushed_};
+  if (stage_ != Stage::kUnderWay || sent_->frame.request != request) return std::nullopt;
+  const Match match = *sent_;
   Abandon();
   return match;
 }

@@ -30,6 +30,12 @@ struct CorrectionOptions {
   Result<void> Validate() const;
 };
 
+/// How large images travel.
+enum class KeyframeSizes : std::uint8_t {
+  kAdaptive,  ///< as large as the network carries soon enough, see image_sizer.h
+  kAsTaken,   ///< every pixel of the frame
+};
+
 struct DeviceOptions {
   /// Host or address of waymark-serve, reached over DDS; or wss://HOST:PORT of a waymark-gateway,
   /// or ws://HOST:PORT without TLS.
@@ -40,7 +46,8 @@ struct DeviceOptions {
   RoomId room{"lobby"};
   std::string name = "phone";                            ///< shown to the others
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
-  int jpeg_quality = 85;                                 ///< [30, 100]
+  KeyframeSizes keyframe_sizes = KeyframeSizes::kAdaptive;
+  int jpeg_quality = 85;  ///< of what is sent kAsTaken, [30, 100]
   std::chrono::duration<double> request_timeout{5.0};
   localiser::AlignmentOptions alignment = {};
   /// A UUID to join as, for example the one of an earlier session, whose anchors are then ours;
@@ -100,15 +107,32 @@ struct SharedAnchor {
   bool is_supported = true;  ///< false: none of the submaps it was seen in is left in the map
 };
 
+/// Where the time of a keyframe went that was localised, in milliseconds.
+struct KeyframeTiming {
+  double total_ms = 0;     ///< image pushed until fix applied
+  double encode_ms = 0;    ///< waiting for the worker, and JPEG
+  double uplink_ms = 0;    ///< until all of it was at the server
+  double queue_ms = 0;     ///< there
+  double features_ms = 0;  ///< decoding the JPEG is in server_ms alone
+  double search_ms = 0;
+  double pose_ms = 0;
+  double server_ms = 0;  ///< from all of it there until the answer left; holds the four before
+  double downlink_ms = 0;
+  std::size_t image_bytes = 0;
+  int width_px = 0;
+};
+
 /// Counters for people and tests.
 struct DeviceStatistics {
   int keyframes_sent = 0;
+  int superseded = 0;  ///< of these, given up for a newer one before they had left
   int fixes = 0;
   int refusals = 0;  ///< the server answered "not localised" or "busy"
   int timeouts = 0;
   int map_changes = 0;  ///< another release of the map went live meanwhile
+  int clock_jumps = 0;  ///< of the clock that stamps frames and odometry
   int joins = 0;        ///< 1, and one more for every time the server had to be found again
-  std::vector<double> fix_latency_ms;  ///< image pushed until fix applied
+  std::vector<KeyframeTiming> keyframe_timings;  ///< of the latest hour's fixes
 };
 
 /// The map that the room stands in. When another release goes live, pose, anchors and epoch change
@@ -137,6 +161,9 @@ class DeviceSession {
   /// Odometry between frames: cheap, at the rate the phone has it; publishes the live pose.
   virtual void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) = 0;
   virtual DevicePose Pose() const = 0;
+  /// What the session's clock showed at an instant of the clock that stamps frames and odometry;
+  /// nothing before the first exchange with the server.
+  virtual std::optional<ServerTime> SessionTime(DeviceTime instant) const = 0;
   virtual std::vector<OtherDevice> Others() const = 0;
 
   /// Places content relative to the phone's present pose. Waits for the durable acknowledgement.

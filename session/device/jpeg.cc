@@ -1,26 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/device/jpeg.h"
 
+#include <algorithm>
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace waymark::session {
+namespace {
 
-Result<std::vector<std::uint8_t>> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_px,
-                                             int height_px, int quality) {
+cv::Mat Reduce(const cv::Mat& image, int max_side_px) {
+  const int side = std::max(image.cols, image.rows);
+  if (side <= max_side_px) return image;
+  const double scale = static_cast<double>(max_side_px) / side;
+  const auto reduced = [&](int px) {
+    return std::max(1, static_cast<int>(std::lround(px * scale)));
+  };
+  cv::Mat smaller;
+  cv::resize(image, smaller, {reduced(image.cols), reduced(image.rows)}, 0, 0, cv::INTER_AREA);
+  return smaller;
+}
+
+}  // namespace
+
+Result<EncodedImage> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_px, int height_px,
+                                const ImageSize& size) {
   const std::int64_t expected = std::int64_t{width_px} * height_px;
   if (width_px <= 0 || height_px <= 0 || static_cast<std::int64_t>(pixels.size()) != expected) {
     return MakeError(ErrorCode::kInvalidArgument, "frame: expected {} x {} pixels, found {} bytes",
                      width_px, height_px, pixels.size());
   }
   try {
-    // OpenCV knows no read-only image; imencode does not write to it.
+    // OpenCV knows no read-only image; neither call writes to it.
     const cv::Mat image(height_px, width_px, CV_8UC1, const_cast<std::uint8_t*>(pixels.data()));
-    std::vector<std::uint8_t> bytes;
-    if (cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality})) return bytes;
+    const cv::Mat reduced = Reduce(image, size.max_side_px);
+    EncodedImage encoded{.jpeg = {}, .width_px = reduced.cols, .height_px = reduced.rows};
+    if (cv::imencode(".jpg", reduced, encoded.jpeg, {cv::IMWRITE_JPEG_QUALITY, size.quality})) {
+      return encoded;
+    }
   } catch (const cv::Exception& exception) {
     return MakeError(ErrorCode::kUnavailable, "frame: JPEG encoding failed: {}", exception.what());
   }
   return MakeError(ErrorCode::kUnavailable, "frame: JPEG encoding failed");
+}
+
+CameraModel ResizeCamera(const CameraModel& camera, int width_px, int height_px) {
+  const double x = static_cast<double>(width_px) / camera.width_px();
+  const double y = static_cast<double>(height_px) / camera.height_px();
+  std::vector<double> parameters(camera.parameters().begin(), camera.parameters().end());
+  const bool has_two =
+      camera.kind() == CameraKind::kPinhole || camera.kind() == CameraKind::kOpenCv;
+  // Sizes are whole pixels, so that the two scales differ by a hair.
+  parameters[0] *= has_two ? x : std::sqrt(x * y);
+  if (has_two) parameters[1] *= y;
+  parameters[has_two ? 2 : 1] *= x;
+  parameters[has_two ? 3 : 2] *= y;
+  return *CameraModel::Create(camera.kind(), width_px, height_px, parameters);
 }
 
 }  // namespace waymark::session

@@ -6,12 +6,30 @@
 #include <vector>
 
 #include "mapping/base/result.h"
+#include "mapping/geometry/camera_model.h"
 
 namespace waymark::session {
 
-/// Compresses 8-bit luminance, rows without padding. Quality in [0, 100].
+/// How large an image is sent.
+struct ImageSize {
+  int max_side_px = 1 << 16;  ///< the longer side is reduced to this, > 0
+  int quality = 85;           ///< of JPEG, [0, 100]
+
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
+};
+
+struct EncodedImage {
+  std::vector<std::uint8_t> jpeg;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+/// Compresses 8-bit luminance, rows without padding, after reducing it by averaging.
 /// Errors: InvalidArgument for a size that does not match the pixels, Unavailable if it fails.
-Result<std::vector<std::uint8_t>> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_px,
-                                             int height_px, int quality);
+Result<EncodedImage> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_px, int height_px,
+                                const ImageSize& size);
+
+/// The camera of the same picture in another size.
+CameraModel ResizeCamera(const CameraModel& camera, int width_px, int height_px);
 
 }  // namespace waymark::session

@@ -34,6 +34,7 @@ LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
       inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
       join_(first_attempt),
       images_(options.keyframe_interval, options.request_timeout),
+      sizer_(options.keyframe_interval),
       tracker_(options.alignment, options.correction),
       view_(id) {}
 
@@ -88,7 +89,7 @@ void LiveSession::SendWhatIsDue() {
   if (join_.TakePingDue(now)) {
     (void)link_->Send(ClockPing{.ticket = join_.welcome()->ticket,
                                 .sequence_number = next_ping_number_++,
-                                .sent = ClockNow()});
+                                .sent = SteadyNow()});
   }
   if (join_.IsConnected()) {
     for (AnchorCommand& command : commands_.TakeDue(now)) {
@@ -96,7 +97,10 @@ void LiveSession::SendWhatIsDue() {
       (void)link_->Send(command);
     }
   }
-  if (images_.TakeTimeout(now)) ++statistics_.timeouts;
+  if (images_.TakeTimeout(now)) {
+    ++statistics_.timeouts;
+    sizer_.OnTooSlow();
+  }
   if (now - last_refresh_ > kRefreshInterval) {
     tracker_.Refresh(tracker_.Pose(0).time);
     last_refresh_ = now;
@@ -114,12 +118,7 @@ void LiveSession::SendFrame() {
     if (!frame) return;
     query = MakeQuery(*frame, request);
   }
-  auto image = EncodeJpeg(frame->pixels, frame->width_px, frame->height_px, options_.jpeg_quality);
-  Result<void> sent = image.ok() ? Result<void>() : Result<void>(image.error());
-  if (sent.ok()) {
-    query->image = *std::move(image);
-    sent = link_->Send(*std::move(query));
-  }
+  const Result<void> sent = Send(*frame, *std::move(query));
   const std::lock_guard lock(mutex_);
   if (sent.ok()) {
     ++statistics_.keyframes_sent;
@@ -127,6 +126,24 @@ void LiveSession::SendFrame() {
   }
   LogWarning("keyframe not sent: {}", ToString(sent.error()));
   images_.Abandon();
+}
+
+Result<void> LiveSession::Send(const DeviceFrame& frame, LocaliseQuery query) {
+  ImageSize size{.quality = options_.jpeg_quality};
+  if (options_.keyframe_sizes == KeyframeSizes::kAdaptive) {
+    const std::lock_guard lock(mutex_);
+    size = sizer_.Choose();
+  }
+  WAYMARK_TRY_ASSIGN(EncodedImage image,
+                     EncodeJpeg(frame.pixels, frame.width_px, frame.height_px, size));
+  {
+    const std::lock_guard lock(mutex_);
+    sizer_.OnEncoded(size, image.jpeg.size());
+    images_.NoteSent(image.jpeg.size(), image.width_px, std::chrono::steady_clock::now());
+  }
+  query.camera = ResizeCamera(frame.camera, image.width_px, image.height_px);
+  query.image = std::move(image.jpeg);
+  return link_->Send(std::move(query));
 }
 
 LocaliseQuery LiveSession::MakeQuery(const DeviceFrame& frame, RequestNumber request) const {
@@ -190,6 +207,7 @@ void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, S
 void LiveSession::On(const LocaliseAnswer& answer) {
   const std::optional<ImageDesk::Match> match = images_.TakeMatch(answer.request);
   if (!match) return;
+  Judge(answer, *match);
   const std::optional<localiser::LocalisedPose> pose = InLiveMap(answer);
   if (!pose) {
     ++statistics_.refusals;
@@ -197,8 +215,34 @@ void LiveSession::On(const LocaliseAnswer& answer) {
   }
   tracker_.AddFix(match->frame, *pose);
   ++statistics_.fixes;
-  statistics_.fix_latency_ms.push_back(1e3 *
-                                       Seconds(std::chrono::steady_clock::now() - match->pushed));
+}
+
+/// What the answer tells of the network and of the image's size.
+void LiveSession::Judge(const LocaliseAnswer& answer, const ImageDesk::Match& match) {
+  constexpr std::size_t kMaxTimings = 3600;
+  const Instant now = std::chrono::steady_clock::now();
+  const auto ms = [](auto duration) { return 1e3 * Seconds(duration); };
+  KeyframeTiming timing{.total_ms = ms(now - match.pushed),
+                        .encode_ms = ms(match.sent - match.pushed),
+                        .queue_ms = answer.queue_ms,
+                        .features_ms = answer.times.features_ms,
+                        .search_ms = answer.times.search_ms,
+                        .pose_ms = answer.times.pose_ms,
+                        .server_ms = ms(answer.sent - answer.received),
+                        .image_bytes = match.image_bytes,
+                        .width_px = match.width_px};
+  const auto session_now = session_clock_.ToSession(SteadyNow());
+  if (session_now) timing.downlink_ms = ms(*session_now - answer.sent);
+  timing.uplink_ms = timing.total_ms - timing.encode_ms - timing.server_ms - timing.downlink_ms;
+  const auto round_trip = session_clock_.Delay();
+  if (round_trip && answer.status != LocaliseStatus::kBusy) {
+    sizer_.OnArrived(match.image_bytes, 1e-3 * timing.uplink_ms - 0.5 * Seconds(*round_trip));
+    sizer_.OnAnswer(answer.status == LocaliseStatus::kLocalised);
+  }
+  if (answer.status != LocaliseStatus::kLocalised) return;
+  auto& timings = statistics_.keyframe_timings;
+  if (timings.size() == kMaxTimings) timings.erase(timings.begin());
+  timings.push_back(timing);
 }
 
 // An answer may come from the release before: its submap carries it over.
@@ -233,7 +277,7 @@ void LiveSession::On(const ClockPong& pong) {
   session_clock_.Add({.device_sent = pong.device_sent,
                       .server_received = pong.received,
                       .server_sent = pong.sent,
-                      .device_received = ClockNow()});
+                      .device_received = SteadyNow()});
 }
 
 }  // namespace waymark::session::internal

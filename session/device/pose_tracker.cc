@@ -88,6 +88,12 @@ bool PoseTracker::CarryTo(const Placements& placements) {
   return true;
 }
 
+void PoseTracker::ShiftTime(std::chrono::nanoseconds by) {
+  alignment_.ShiftTime(by);
+  for (Step& step : steps_) step.time += by;
+  time_ += by;
+}
+
 void PoseTracker::Refresh(DeviceTime now) { current_ = alignment_.Estimate(now); }
 
 DevicePose PoseTracker::Pose(std::uint64_t epoch) const {

@@ -33,6 +33,8 @@ class PoseTracker {
   /// Another release is live: fixes and the shown pose go where their submaps do, so that what is
   /// shown stays where it is for those who look. False, and reset: no fix is in a submap told.
   bool CarryTo(const Placements& placements);
+  /// The clock that stamps odometry and frames was set forward by so much.
+  void ShiftTime(std::chrono::nanoseconds by);
   /// Lets the alignment age; about a millisecond, so not for every frame.
   void Refresh(DeviceTime now);
 

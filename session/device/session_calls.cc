@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The application's half of a device session: coming, going and where everybody is.
 #include <cmath>
+#include <cstdint>
 
 #include "session/device/internal/live_session.h"
 
@@ -63,7 +64,19 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
     const std::lock_guard lock(mutex_);
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
     gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
-    if (!images_.Offer(frame, std::chrono::steady_clock::now())) return {};
+    const std::size_t waiting = link_->WaitingImageBytes();
+    const bool is_adaptive = options_.keyframe_sizes == KeyframeSizes::kAdaptive;
+    const std::size_t next = is_adaptive ? sizer_.ExpectedBytes() : SIZE_MAX;
+    switch (images_.Offer(frame, std::chrono::steady_clock::now(), waiting, next)) {
+      case ImageDesk::Offered::kRefused:
+        return {};
+      case ImageDesk::Offered::kTaken:
+        break;
+      case ImageDesk::Offered::kInsteadOfOlder:
+        ++statistics_.superseded;
+        sizer_.OnTooSlow();
+        break;
+    }
   }
   inbox_.Push(WakeUp{});
   return {};
@@ -73,13 +86,16 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
   std::optional<PoseReport> report;
   {
     const std::lock_guard lock(mutex_);
+    if (const auto jump = stamp_clock_.Observe(time, SteadyNow())) {
+      tracker_.ShiftTime(*jump);
+      images_.ShiftTime(*jump);
+      ++statistics_.clock_jumps;
+    }
     tracker_.PushOdometry(vo_from_device, time);
-    if (!options_.clock) stamp_clock_.Observe(time, ClockNow());
     const bool is_due = time - last_report_ >= kMinReportInterval || time < last_report_;
     if (has_left_ || !join_.IsConnected() || !is_due) return;
     const DevicePose pose = CurrentPose();
-    const std::optional<ServerTime> session_time =
-        session_clock_.ToSession(options_.clock ? time : stamp_clock_.ToSteady(time));
+    const std::optional<ServerTime> session_time = session_clock_.ToSession(ToSteady(time));
     if (!pose.map_from_device || !session_time) return;
     report =
         PoseReport{.ticket = join_.welcome()->ticket,
@@ -98,19 +114,24 @@ DevicePose LiveSession::CurrentPose() const {
   return tracker_.Pose(join_.welcome() ? join_.welcome()->map.epoch : 0);
 }
 
-DeviceTime LiveSession::ClockNow() const {
-  if (options_.clock) return options_.clock();
-  return DeviceTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::steady_clock::now().time_since_epoch()));
+/// Where the stamps' clock can be read, it is exact, whatever it was set to meanwhile.
+DeviceTime LiveSession::ToSteady(DeviceTime stamp) const {
+  if (!options_.clock) return stamp_clock_.ToSteady(stamp);
+  return SteadyNow() - (options_.clock() - stamp);
 }
 
 ServerTime LiveSession::SessionNow() const {
-  return session_clock_.ToSession(ClockNow()).value_or(ServerTime{});
+  return session_clock_.ToSession(SteadyNow()).value_or(ServerTime{});
 }
 
 DevicePose LiveSession::Pose() const {
   const std::lock_guard lock(mutex_);
   return CurrentPose();
+}
+
+std::optional<ServerTime> LiveSession::SessionTime(DeviceTime instant) const {
+  const std::lock_guard lock(mutex_);
+  return session_clock_.ToSession(ToSteady(instant));
 }
 
 SessionMap LiveSession::DescribeMap() const {

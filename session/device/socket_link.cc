@@ -6,6 +6,7 @@
 
 #include "mapping/base/log.h"
 #include "session/wire/frames.h"
+#include "session/wire/parts.h"
 
 namespace waymark::session::internal {
 namespace {
@@ -46,14 +47,29 @@ SocketLink::~SocketLink() {
 
 Result<void> SocketLink::Send(wire::Upward message) {
   std::shared_ptr<socket::Channel> channel;
+  std::uint32_t number = 0;
   {
     const std::lock_guard lock(mutex_);
     channel = channel_;
     has_asked_ = true;
+    number = ++sent_;
   }
   if (!channel) return MakeError(ErrorCode::kUnavailable, "{}: not connected", name_);
-  channel->Send(wire::EncodeFrame(message), wire::SlotOf(message));
+  std::vector<std::uint8_t> frame = wire::EncodeFrame(message);
+  if (!std::holds_alternative<LocaliseQuery>(message)) {
+    channel->Send(std::move(frame), wire::SlotOf(message));
+    return {};
+  }
+  // Poses and pings go between the parts of an image.
+  std::vector<wire::SharedFrame> parts;
+  for (auto& part : wire::Cut(frame, number)) parts.push_back(wire::Share(std::move(part)));
+  channel->SendParts(std::move(parts));
   return {};
+}
+
+std::size_t SocketLink::WaitingImageBytes() const {
+  const std::lock_guard lock(mutex_);
+  return channel_ ? channel_->WaitingPartBytes() : 0;
 }
 
 void SocketLink::SayFarewell() {

@@ -48,16 +48,31 @@ void Phone::Start() {
 void Phone::OnFrame(std::span<const std::uint8_t> frame) {
   ++tally_.frames;
   const auto now = std::chrono::steady_clock::now();
-  if (!messages_.Take(1, now) || !bytes_.Take(static_cast<double>(frame.size()), now)) {
+  const bool is_part = wire::IsPart(frame);  // of one message, and of a size that is fixed
+  if (!messages_.Take(is_part ? 0 : 1, now) ||
+      !bytes_.Take(static_cast<double>(frame.size()), now)) {
     if (tally_.throttled++ == 0) LogWarning("{}: says too much; some of it is dropped", peer());
     return;
   }
+  is_part ? OnPart(frame) : OnWhole(frame);
+}
+
+void Phone::OnPart(std::span<const std::uint8_t> part) {
+  const auto whole = parts_.Add(part);
+  if (!whole) return Reject(whole.error());
+  if (!*whole) return;
+  if (wire::IsPart(**whole)) return Reject(MakeError(ErrorCode::kCorrupt, "part: of a part"));
+  OnWhole(**whole);
+}
+
+void Phone::Reject(const Error& why) {
+  if (tally_.rejected++ == 0) LogWarning("{}: {}", peer(), ToString(why));
+  if (++rejected_ > kMaxRejected) Close(why.message);
+}
+
+void Phone::OnWhole(std::span<const std::uint8_t> frame) {
   Result<wire::Upward> message = wire::DecodeUpward(frame);
-  if (!message) {
-    if (tally_.rejected++ == 0) LogWarning("{}: {}", peer(), ToString(message.error()));
-    if (++rejected_ > kMaxRejected) Close(message.error().message);
-    return;
-  }
+  if (!message) return Reject(message.error());
   if (auto* hello = std::get_if<Hello>(&*message)) return OnHello(std::move(*hello));
   if (!hello_) return Close("expected Hello first");
   if (auto* farewell = std::get_if<wire::Farewell>(&*message)) {

@@ -10,6 +10,7 @@
 
 #include "session/gateway/gateway.h"
 #include "session/wire/gateway_line.h"
+#include "session/wire/parts.h"
 #include "session/wire/room_line.h"
 
 namespace waymark::session::internal {
@@ -79,6 +80,9 @@ class Phone : public std::enable_shared_from_this<Phone> {
 
  private:
   void OnFrame(std::span<const std::uint8_t> frame);
+  void OnPart(std::span<const std::uint8_t> part);
+  void OnWhole(std::span<const std::uint8_t> frame);
+  void Reject(const Error& why);
   void OnHello(Hello hello);
   void Say(wire::Upward message);
   void Hear(const wire::Downward& message);  // what it alone is told, on DDS threads
@@ -89,6 +93,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   wire::GatewayLine& line_;
   const Calls calls_;
   Allowance messages_, bytes_;
+  wire::PartCollector parts_{socket::kMaxFrameBytes};
   int rejected_ = 0;
   bool has_left_ = false;
   std::optional<Hello> hello_;  // the first

@@ -26,6 +26,12 @@ LocaliseStatus ToWireStatus(localiser::LocalisationStatus status) {
   return LocaliseStatus::kInvalidImage;
 }
 
+/// The session's clock is the server's steady one.
+ServerTime ToSession(std::chrono::steady_clock::time_point instant) {
+  return ServerTime(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(instant.time_since_epoch()));
+}
+
 double MillisecondsSince(std::chrono::steady_clock::time_point start) {
   return 1e3 * Seconds(std::chrono::steady_clock::now() - start);
 }
@@ -104,7 +110,8 @@ void LocalisePool::Refuse(const Job& job, const char* reason) const {
                           .epoch = 0,
                           .pose = std::nullopt,
                           .queue_ms = MillisecondsSince(job.arrived),
-                          .times = {}});
+                          .times = {},
+                          .received = ToSession(job.arrived)});
 }
 
 void LocalisePool::Work() {
@@ -138,7 +145,8 @@ LocaliseAnswer LocalisePool::Answer(const Job& job, const LocaliseFunction& loca
                         .epoch = 0,
                         .pose = std::nullopt,
                         .queue_ms = MillisecondsSince(job.arrived),
-                        .times = {}};
+                        .times = {},
+                        .received = ToSession(job.arrived)};
   Result<localiser::Localisation> localisation = localise(job.query);
   if (!localisation.ok()) {
     answer.reason = ToString(localisation.error());

@@ -194,10 +194,11 @@ class Server::Loop {
     Apply(event::ReleaseSwapped{epoch, placements});
   }
 
-  void Deliver(const LocaliseAnswer& answer) {
+  void Deliver(LocaliseAnswer& answer) {
     if (answer.status == LocaliseStatus::kLocalised) ++counters_.localised;
     if (answer.pose) Apply(event::Localised{answer.device, answer.pose->submap});
     if (answer.status == LocaliseStatus::kBusy) ++counters_.busy;
+    answer.sent = Now();
     (void)bus_->Send(answer);  // a device that left does not hear it
   }
 

@@ -38,6 +38,11 @@ class Channel {
   void Send(std::vector<std::uint8_t> frame, std::optional<wire::Slot> slot) {
     Send(wire::Share(std::move(frame)), slot);
   }
+  /// Queues the parts of one large frame, which go when nothing else waits. What is left of an
+  /// earlier one is not sent any more.
+  virtual void SendParts(std::vector<wire::SharedFrame> parts) = 0;
+  /// Bytes of those parts that have not gone yet.
+  virtual std::size_t WaitingPartBytes() const = 0;
   /// Sends what waits, says goodbye and ends, all within a second.
   virtual void Close(std::string why) = 0;
   /// Ends at once.

@@ -150,6 +150,8 @@ struct LocaliseAnswer {
   std::optional<localiser::LocalisedPose> pose = {};  ///< present exactly when kLocalised
   double queue_ms = 0;
   localiser::StageTimes times = {};
+  ServerTime received = {};  ///< the query
+  ServerTime sent = {};
 };
 
 // ---- anchors ----------------------------------------------------------------------------------

@@ -22,6 +22,9 @@ class DeviceLink {
 
   /// Errors: Unavailable; what is not sent is due again soon, nothing is said only once.
   virtual Result<void> Send(Upward message) = 0;
+  /// Bytes of the latest image that have not left yet, which a newer image would make needless; 0
+  /// where that cannot be known.
+  virtual std::size_t WaitingImageBytes() const { return 0; }
   /// Says goodbye and waits a moment for the server to hear it.
   virtual void SayFarewell() = 0;
 };

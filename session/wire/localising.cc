@@ -114,6 +114,8 @@ waymark_LocaliseAnswer Encode(const LocaliseAnswer& answer, Scratch& scratch) {
   wire.search_ms = static_cast<float>(answer.times.search_ms);
   wire.pose_ms = static_cast<float>(answer.times.pose_ms);
   wire.total_ms = static_cast<float>(answer.times.total_ms);
+  wire.session_received_ns = ToNanoseconds(answer.received);
+  wire.session_sent_ns = ToNanoseconds(answer.sent);
   return wire;
 }
 
@@ -130,7 +132,9 @@ Result<LocaliseAnswer> Decode(const waymark_LocaliseAnswer& wire) {
                         .times = {.features_ms = wire.features_ms,
                                   .search_ms = wire.search_ms,
                                   .pose_ms = wire.pose_ms,
-                                  .total_ms = wire.total_ms}};
+                                  .total_ms = wire.total_ms},
+                        .received = FromNanoseconds<ServerTime>(wire.session_received_ns),
+                        .sent = FromNanoseconds<ServerTime>(wire.session_sent_ns)};
   if ((wire.pose != nullptr) != (status == LocaliseStatus::kLocalised)) {
     return MakeError(ErrorCode::kInvalidArgument, "answer: pose and status {} contradict",
                      static_cast<int>(status));

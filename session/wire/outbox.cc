@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/wire/outbox.h"
 
+#include <iterator>
 #include <utility>
 
 namespace waymark::session::wire {
@@ -12,7 +13,6 @@ constexpr Slot kFirstChunk = 16;  // of a pose batch
 
 std::optional<Slot> SlotOf(const Upward& message) {
   if (std::holds_alternative<PoseReport>(message)) return Slot{1};
-  if (std::holds_alternative<LocaliseQuery>(message)) return Slot{2};
   if (std::holds_alternative<ClockPing>(message)) return Slot{3};
   if (std::holds_alternative<Hello>(message)) return Slot{4};
   return std::nullopt;
@@ -38,12 +38,31 @@ Outbox::Outcome Outbox::Push(SharedFrame frame, std::optional<Slot> slot) {
   }
   places_.push_back({std::move(frame), slot});
   if (slot) by_slot_[*slot] = &places_.back();
-  return places_.size() == 1 ? Outcome::kFirst : Outcome::kQueued;
+  return places_.size() + parts_.size() == 1 ? Outcome::kFirst : Outcome::kQueued;
+}
+
+bool Outbox::PushParts(std::vector<SharedFrame> parts) {
+  const std::lock_guard lock(mutex_);
+  const bool is_first = places_.empty() && parts_.empty();
+  parts_.assign(std::make_move_iterator(parts.begin()), std::make_move_iterator(parts.end()));
+  return is_first;
+}
+
+std::size_t Outbox::WaitingPartBytes() const {
+  const std::lock_guard lock(mutex_);
+  std::size_t bytes = 0;
+  for (const SharedFrame& part : parts_) bytes += part->size();
+  return bytes;
 }
 
 SharedFrame Outbox::Pop() {
   const std::lock_guard lock(mutex_);
-  if (places_.empty()) return nullptr;
+  if (places_.empty()) {
+    if (parts_.empty()) return nullptr;
+    SharedFrame part = std::move(parts_.front());
+    parts_.pop_front();
+    return part;
+  }
   Place place = std::move(places_.front());
   places_.pop_front();
   if (place.slot) by_slot_.erase(*place.slot);
@@ -56,6 +75,7 @@ void Outbox::Clear() {
   places_.clear();
   by_slot_.clear();
   bytes_ = 0;
+  parts_.clear();
 }
 
 }  // namespace waymark::session::wire

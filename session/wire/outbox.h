@@ -25,8 +25,10 @@ inline SharedFrame Share(std::vector<std::uint8_t> frame) {
   return std::make_shared<const std::vector<std::uint8_t>>(std::move(frame));
 }
 
-/// Frames that wait for a stream which may be slower than what is said: old poses, images and pings
-/// make way for new ones of their kind, everything else waits its turn, up to a bound. Thread-safe.
+/// Frames that wait for a stream which may be slower than what is said: old poses and pings make
+/// way for new ones of their kind, everything else waits its turn, up to a bound. One large thing,
+/// cut into parts, goes when nothing else waits; a newer one takes the place of what is left of it.
+/// Thread-safe.
 class Outbox {
  public:
   explicit Outbox(std::size_t max_bytes) : max_bytes_(max_bytes) {}
@@ -38,7 +40,12 @@ class Outbox {
   };
   Outcome Push(SharedFrame frame, std::optional<Slot> slot);
 
-  /// The next frame, oldest place first; null when nothing waits.
+  /// Says whether nothing waited before.
+  bool PushParts(std::vector<SharedFrame> parts);
+  /// What is left of those parts.
+  std::size_t WaitingPartBytes() const;
+
+  /// The next frame, oldest place first, parts last; null when nothing waits.
   SharedFrame Pop();
 
   void Clear();
@@ -50,11 +57,12 @@ class Outbox {
   };
 
   const std::size_t max_bytes_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   // Guarded by mutex_. References into a deque survive pushing and popping at its ends.
   std::deque<Place> places_;
   std::map<Slot, Place*> by_slot_;
   std::size_t bytes_ = 0;
+  std::deque<SharedFrame> parts_;  // bounded by their makers
 };
 
 }  // namespace waymark::session::wire

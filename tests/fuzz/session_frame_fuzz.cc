@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/base/check.h"
 #include "session/wire/frames.h"
+#include "session/wire/parts.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/session/wire_fixture.h"
 
@@ -25,6 +26,8 @@ std::vector<Bytes> Seeds() {
         wire::Downward(session::Welcome{.device = wire::kDevice})}) {
     seeds.push_back(wire::EncodeFrame(message));
   }
+  seeds.push_back(wire::Cut(Bytes(2 * wire::kPartBytes), 1).front());
+  seeds.push_back(wire::Cut(Bytes(100), 1).front());
   return seeds;
 }
 
@@ -36,6 +39,9 @@ void TryOne(std::span<const std::uint8_t> bytes) {
     CHECK(wire::DecodeDownward(wire::EncodeFrame(*down)).ok(),
           "what was understood cannot be said");
   }
+  wire::PartCollector parts(1 << 16);
+  (void)parts.Add(bytes);
+  (void)parts.Add(bytes);
 }
 
 }  // namespace waymark::fuzz

@@ -84,28 +84,60 @@ TEST(JoinDesk, ANewWayMeansJoiningAgainAtOnce) {
   EXPECT_EQ(desk.On(Accepted(2), kStart + seconds(1)), JoinDesk::Outcome::kJoined);
 }
 
+using Offered = ImageDesk::Offered;
+constexpr std::size_t kBytes = 10'000;  // that an image would take
+
+TEST(ImageDesk, ANewerOneTakesThePlaceOfAnOlderThatHasNotLeft) {
+  ImageDesk desk(seconds(1), seconds(5));
+  const DeviceTime t{seconds(10)};
+  RequestNumber older{}, newer{};
+  EXPECT_EQ(desk.Offer(Frame(t), kStart, 0, kBytes), Offered::kTaken);
+  EXPECT_TRUE(desk.TakeFrame(older));
+  desk.NoteSent(40'000, 640, kStart + milliseconds(3));
+  const DeviceFrame next = Frame(t + seconds(1));
+  EXPECT_EQ(desk.Offer(next, kStart, kBytes, kBytes), Offered::kRefused) << "it is there sooner";
+  EXPECT_EQ(desk.Offer(next, kStart, 20'000, 40'000), Offered::kRefused) << "half has left";
+  EXPECT_EQ(desk.Offer(next, kStart, kBytes + 1, kBytes), Offered::kInsteadOfOlder);
+  EXPECT_FALSE(desk.TakeMatch(older)) << "it may have arrived whole after all, too late";
+  EXPECT_EQ(desk.Offer(Frame(t + seconds(2)), kStart, kBytes + 1, kBytes), Offered::kRefused)
+      << "the newer one is not even encoded";
+  EXPECT_TRUE(desk.TakeFrame(newer));
+  desk.NoteSent(30'000, 320, kStart + milliseconds(4));
+  EXPECT_EQ(desk.Offer(Frame(t + seconds(2)), kStart, 29'000, 30'000), Offered::kRefused)
+      << "or none would ever arrive";
+  desk.NoteSent(9'000, 320, kStart + milliseconds(5));
+  const auto match = desk.TakeMatch(newer);
+  ASSERT_TRUE(match);
+  EXPECT_EQ(match->image_bytes, 9'000u);
+  EXPECT_EQ(match->width_px, 320);
+  EXPECT_EQ(match->sent, kStart + milliseconds(5));
+}
+
 TEST(ImageDesk, OneImageIsUnderWayAtATime) {
   ImageDesk desk(seconds(1), seconds(5));
   const DeviceTime t{seconds(10)};
   RequestNumber first{}, second{};
   EXPECT_FALSE(desk.TakeFrame(first));
-  EXPECT_TRUE(desk.Offer(Frame(t), kStart));
+  EXPECT_EQ(desk.Offer(Frame(t), kStart, 0, kBytes), Offered::kTaken);
   EXPECT_TRUE(desk.TakeFrame(first));
-  EXPECT_FALSE(desk.Offer(Frame(t + seconds(2)), kStart)) << "one is under way";
+  EXPECT_EQ(desk.Offer(Frame(t + seconds(2)), kStart, 0, kBytes), Offered::kRefused)
+      << "one is under way";
   EXPECT_FALSE(desk.TakeMatch(RequestNumber{99}));
   const auto match = desk.TakeMatch(first);
   ASSERT_TRUE(match);
   EXPECT_EQ(match->frame.time, t);
   EXPECT_EQ(match->pushed, kStart);
   EXPECT_FALSE(desk.TakeMatch(first)) << "answered twice counts once";
-  EXPECT_FALSE(desk.Offer(Frame(t + milliseconds(900)), kStart)) << "too early";
-  EXPECT_TRUE(desk.Offer(Frame(t + seconds(1)), kStart));
+  EXPECT_EQ(desk.Offer(Frame(t + milliseconds(900)), kStart, 0, kBytes), Offered::kRefused)
+      << "too early";
+  EXPECT_EQ(desk.Offer(Frame(t + seconds(1)), kStart, 0, kBytes), Offered::kTaken);
   EXPECT_TRUE(desk.TakeFrame(second));
   EXPECT_NE(first, second);
   EXPECT_FALSE(desk.TakeTimeout(kStart + milliseconds(4999)));
   EXPECT_TRUE(desk.TakeTimeout(kStart + seconds(5)));
   EXPECT_FALSE(desk.TakeMatch(second)) << "too late";
-  EXPECT_TRUE(desk.Offer(Frame(t - seconds(5)), kStart)) << "a clock set back is not early";
+  EXPECT_EQ(desk.Offer(Frame(t - seconds(5)), kStart, 0, kBytes), Offered::kTaken)
+      << "a clock set back is not early";
 }
 
 TEST(CommandDesk, RepeatsUntilAnswered) {

@@ -69,7 +69,7 @@ mapping::SubmapModel MapOf(const mapping::ImageFeatures& features) {
 
 class FeatureQueries : public testing::Test {
  protected:
-  FeatureQueries() : jpeg_(*EncodeJpeg(Picture(), kWidth, kHeight, 85)) {
+  FeatureQueries() : jpeg_(EncodeJpeg(Picture(), kWidth, kHeight, {})->jpeg) {
     const auto image = mapping::DecodeGrayImage(jpeg_);
     features_ = *mapping::ExtractFeatures(*image, localiser::LocaliserOptions{}.features);
     disk_.Add(MapOf(features_));

@@ -50,6 +50,19 @@ TEST(Outbox, HoldsNoMoreThanItsBytes) {
   EXPECT_EQ(Push(outbox, Frame(10), Slot{1}), Outcome::kFirst);
 }
 
+TEST(Outbox, PartsGoLastAndMakeWayForThoseOfANewerOne) {
+  Outbox outbox(100);
+  EXPECT_TRUE(outbox.PushParts({Share({1}), Share({2, 2}), Share({3})}));
+  EXPECT_EQ(Push(outbox, {9}, std::nullopt), Outcome::kQueued);
+  EXPECT_EQ(Pop(outbox), Frame{9});
+  EXPECT_EQ(Pop(outbox), Frame{1});
+  EXPECT_EQ(outbox.WaitingPartBytes(), 3u);
+  EXPECT_FALSE(outbox.PushParts({Share({4})}));
+  EXPECT_EQ(Pop(outbox), Frame{4});
+  EXPECT_EQ(outbox.Pop(), nullptr);
+  EXPECT_EQ(outbox.WaitingPartBytes(), 0u);
+}
+
 TEST(Outbox, OldPosesMakeWayAndAnchorsDoNot) {
   PoseBatch first, second;
   second.chunk = 1;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole sessions over DDS on loopback.
+#include <atomic>
+
 #include "tests/session/session_fixture.h"
 
 namespace waymark::session {
@@ -49,6 +51,47 @@ TEST_F(Session, DevicesSeeEachOtherComeMoveAndGo) {
   EXPECT_TRUE(Eventually([&] { return !Sees(*anna, cleo->id()) && !Sees(*ben, cleo->id()); }));
   EXPECT_TRUE(Sees(*anna, ben->id()));
 }
+
+/// Whether the clock can be read, or only its stamps be seen.
+class SessionClock : public Session, public testing::WithParamInterface<bool> {};
+
+TEST_P(SessionClock, SetByAnHourIsNoticedAndHarmless) {
+  StartServer();
+  DeviceOptions options = MakeDeviceOptions("Anna");
+  std::atomic<std::int64_t> set_ns = 0;
+  if (GetParam()) {
+    options.clock = [&] { return StandingPhone::Now() + std::chrono::nanoseconds(set_ns); };
+  }
+  const auto anna = Join(options), ben = Join("Ben");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  const auto session_ahead = [&] {  // of a clock that nobody sets
+    return *anna->SessionTime(phone.OwnNow()) - ServerTime(StandingPhone::Now().time_since_epoch());
+  };
+  const auto before = session_ahead();
+  int jumps = 0;
+  for (const std::chrono::hours by : {std::chrono::hours(1), std::chrono::hours(-1)}) {
+    phone.SetClock(by);
+    set_ns += std::chrono::nanoseconds(by).count();
+    phone.Live();
+    EXPECT_EQ(anna->Statistics().clock_jumps, ++jumps);
+    EXPECT_LT(std::abs(Seconds(session_ahead() - before)), 1) << by.count();
+    EXPECT_EQ(anna->Pose().state, localiser::AlignmentState::kFixed);
+    const int fixes = anna->Statistics().fixes;
+    EXPECT_TRUE(Eventually([&] {
+      phone.Live();
+      return anna->Statistics().fixes > fixes + 1;
+    }));
+    EXPECT_EQ(anna->Pose().state, localiser::AlignmentState::kFixed);
+    EXPECT_TRUE(Eventually([&] {
+      phone.Live();
+      const auto seen = FindOther(*ben, anna->id());
+      return seen && std::abs(seen->age.count()) < 5;
+    }));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Session, SessionClock, testing::Bool());
 
 TEST_F(Session, RoomsDoNotHearEachOther) {
   StartServer();

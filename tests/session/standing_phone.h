@@ -59,9 +59,13 @@ class StandingPhone {
         std::chrono::steady_clock::now().time_since_epoch() + std::chrono::hours(1234)));
   }
 
+  /// Somebody sets its clock forward.
+  void SetClock(std::chrono::nanoseconds forward) { set_ += forward; }
+  DeviceTime OwnNow() const { return Now() + set_; }
+
   /// One moment of its life: odometry and a frame.
   void Live() {
-    const DeviceTime now = Now();
+    const DeviceTime now = OwnNow();
     session_.PushOdometry(VoFromDevice(), now);
     EXPECT_TRUE(session_.PushFrame(MakeFrame(now)).ok());
   }
@@ -92,6 +96,7 @@ class StandingPhone {
 
   DeviceSession& session_;
   Eigen::Vector3d position_in_map_;
+  std::chrono::nanoseconds set_{0};
 };
 
 inline std::optional<OtherDevice> FindOther(const DeviceSession& session, const DeviceId& id) {

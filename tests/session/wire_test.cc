@@ -85,7 +85,9 @@ TEST(Wire, LocalisationComesBack) {
                                    .inliers = 30,
                                    .rms_px = 1.5},
       .queue_ms = 7,
-      .times = {.total_ms = 8}};
+      .times = {.total_ms = 8},
+      .received = ServerTime{std::chrono::seconds(9)},
+      .sent = ServerTime{std::chrono::seconds(10)}};
   const auto returned = Return(answer);
   ASSERT_TRUE(returned.ok());
   EXPECT_THAT(returned->pose->map_from_camera.rigid(), Near(answer.pose->map_from_camera.rigid()));
@@ -93,6 +95,8 @@ TEST(Wire, LocalisationComesBack) {
   EXPECT_EQ(returned->pose->submap, kSubmap);
   EXPECT_EQ(returned->pose->inliers, 30);
   EXPECT_EQ(returned->times.total_ms, 8);
+  EXPECT_EQ(returned->received, answer.received);
+  EXPECT_EQ(returned->sent, answer.sent);
   answer.status = LocaliseStatus::kBusy;
   EXPECT_THAT(Return(answer), IsRefused());
 }

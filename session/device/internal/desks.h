@@ -58,22 +58,33 @@ class JoinDesk {
   int fast_pings_ = 0;  // left to send
 };
 
-/// One image under way at a time, the newest first.
+/// One image under way at a time. A newer one takes its place when more of the older has still to
+/// leave than the newer would take, or than has left; the latter not twice in a row, lest on a slow
+/// network none ever arrives.
 class ImageDesk {
  public:
   ImageDesk(std::chrono::duration<double> interval, std::chrono::duration<double> timeout)
       : interval_(interval), timeout_(timeout) {}
 
-  /// Takes the frame if its turn has come; says whether.
-  bool Offer(const DeviceFrame& frame, Instant now);
+  enum class Offered { kRefused, kTaken, kInsteadOfOlder };
+  /// Takes the frame if its turn has come. `waiting_bytes` of the image under way have not left
+  /// yet; this one would take about `expected_bytes`.
+  Offered Offer(const DeviceFrame& frame, Instant now, std::size_t waiting_bytes,
+                std::size_t expected_bytes);
   /// A frame that waits to be sent; from then on it is under way.
   std::optional<DeviceFrame> TakeFrame(RequestNumber& request);
+  /// The frame under way is encoded, and goes now.
+  void NoteSent(std::size_t image_bytes, int width_px, Instant now);
+  /// The clock that stamps frames was set forward by so much.
+  void ShiftTime(std::chrono::nanoseconds by);
   /// It could not be sent.
   void Abandon();
   /// The frame that an answer belongs to, with when it was pushed; nothing if none waits for it.
   struct Match {
     SentFrame frame;
-    Instant pushed;
+    Instant pushed, sent;
+    std::size_t image_bytes = 0;
+    int width_px = 0;
   };
   std::optional<Match> TakeMatch(RequestNumber request);
   /// Whether the image under way has been given up.
@@ -87,9 +98,10 @@ class ImageDesk {
   std::chrono::duration<double> timeout_;
   Stage stage_ = Stage::kIdle;
   std::optional<DeviceFrame> waiting_;
-  std::optional<SentFrame> sent_;
+  std::optional<Match> sent_;
   std::optional<DeviceTime> last_time_;
   Instant pushed_;
+  bool is_replacement_ = false;  // the image under way is
   std::uint32_t next_request_ = 1;
 };
 

@@ -10,6 +10,7 @@
 
 #include "session/device/clock_estimator.h"
 #include "session/device/device_session.h"
+#include "session/device/image_sizer.h"
 #include "session/device/internal/desks.h"
 #include "session/device/pose_tracker.h"
 #include "session/device/room_view.h"
@@ -33,6 +34,7 @@ class LiveSession final : public DeviceSession {
   Result<void> PushFrame(const DeviceFrame& frame) override;
   void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) override;
   DevicePose Pose() const override;
+  std::optional<ServerTime> SessionTime(DeviceTime instant) const override;
   std::vector<OtherDevice> Others() const override;
   Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
                                    const std::string& kind, const std::string& payload) override;
@@ -54,6 +56,8 @@ class LiveSession final : public DeviceSession {
   void Work();
   void SendWhatIsDue();
   void SendFrame();
+  Result<void> Send(const DeviceFrame& frame, LocaliseQuery query);
+  void Judge(const LocaliseAnswer& answer, const ImageDesk::Match& match);
   Instant NextDeadline() const;
   void On(const wire::DeviceLink::Event& event);
   void On(const Welcome& welcome);
@@ -71,9 +75,9 @@ class LiveSession final : public DeviceSession {
   std::optional<localiser::LocalisedPose> InLiveMap(const LocaliseAnswer& answer) const;
   LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
   Result<CommandReply> Perform(AnchorCommand command);
-  DevicePose CurrentPose() const;  // with mutex_ held
-  ServerTime SessionNow() const;   // with mutex_ held
-  DeviceTime ClockNow() const;     // of the clock that the session's is compared with
+  DevicePose CurrentPose() const;               // with mutex_ held
+  ServerTime SessionNow() const;                // with mutex_ held
+  DeviceTime ToSteady(DeviceTime stamp) const;  // with mutex_ held
   std::string ServerName() const;
 
   const DeviceOptions options_;
@@ -85,6 +89,7 @@ class LiveSession final : public DeviceSession {
   // Guarded by mutex_.
   JoinDesk join_;
   ImageDesk images_;
+  ImageSizer sizer_;
   CommandDesk commands_;
   ClockEstimator session_clock_;
   StampClock stamp_clock_;

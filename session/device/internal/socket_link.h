@@ -22,6 +22,7 @@ class SocketLink final : public wire::DeviceLink {
   ~SocketLink() override;
 
   Result<void> Send(wire::Upward message) override;
+  std::size_t WaitingImageBytes() const override;
   void SayFarewell() override;
 
  private:
@@ -42,12 +43,13 @@ class SocketLink final : public wire::DeviceLink {
   const Handler handler_;
   const std::string name_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable ended_;
   // Guarded by mutex_.
   std::shared_ptr<socket::Channel> channel_;  // absent while not connected
   bool has_asked_ = false;                    // since it is connected
   bool is_leaving_ = false;
+  std::uint32_t sent_ = 0;  // messages
 
   // Used on the loop's thread alone.
   std::chrono::milliseconds retry_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <netinet/tcp.h>
+
 #include <boost/asio/post.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/ssl.hpp>
@@ -22,6 +24,17 @@ inline constexpr const char* kSubprotocol = "waymark.1";
 using PlainStream = beast::tcp_stream;
 using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
+/// What has been handed to the kernel can neither be overtaken nor taken back, so it shall hold
+/// little that it cannot send yet. Systems without the option work, only later.
+template <typename Socket>
+void KeepLittleUnsent(Socket& socket) {
+#ifdef TCP_NOTSENT_LOWAT
+  constexpr int kUnsentBytes = 4096;
+  (void)::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes,
+                     sizeof kUnsentBytes);
+#endif
+}
+
 /// What both ends want of a WebSocket. A peer that is silent for 8 s, although it was asked for a
 /// sign of life, is gone.
 template <typename Stream>
@@ -36,6 +49,7 @@ void Configure(websocket::stream<Stream>& stream, beast::role_type role) {
   stream.read_message_max(kMaxFrameBytes);
   error_code ignored;
   beast::get_lowest_layer(stream).socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+  KeepLittleUnsent(beast::get_lowest_layer(stream).socket());
 }
 
 /// The handlers run on the stream's strand.
@@ -65,6 +79,13 @@ class WebSocketChannel final : public Channel,
         });
     }
   }
+
+  void SendParts(std::vector<wire::SharedFrame> parts) override {
+    if (!outbox_.PushParts(std::move(parts))) return;
+    OnStrand([](WebSocketChannel& self) { self.Write(); });
+  }
+
+  std::size_t WaitingPartBytes() const override { return outbox_.WaitingPartBytes(); }
 
   void Close(std::string why) override {
     OnStrand([why = std::move(why)](WebSocketChannel& self) {

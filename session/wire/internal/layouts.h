@@ -112,7 +112,7 @@ struct Layout<waymark_LocaliseAnswer> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.device, m.request, m.status, m.reason, m.epoch, m.pose, m.queue_ms, m.features_ms,
-            m.search_ms, m.pose_ms, m.total_ms);
+            m.search_ms, m.pose_ms, m.total_ms, m.session_received_ns, m.session_sent_ns);
   }
 };
 
