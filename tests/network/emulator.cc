@@ -141,7 +141,8 @@ void Emulator::Work() {
     if (waiting.front().revents != 0) ::eventfd_read(wake_, &ignored);
     const std::lock_guard lock(mutex_);
     for (std::size_t i = 1; i < waiting.size(); ++i) {
-      if (waiting[i].revents != 0) TakeFrom(static_cast<int>(i) - 1, std::chrono::steady_clock::now());
+      if (waiting[i].revents != 0)
+        TakeFrom(static_cast<int>(i) - 1, std::chrono::steady_clock::now());
     }
     PassOn(std::chrono::steady_clock::now());
   }
@@ -181,7 +182,8 @@ void Emulator::PassOn(Instant now) {
     Host& to = *hosts_[static_cast<std::size_t>(packet.to)];
     if (packet.has_arrived_at_router) {
       // A full device drops it, as any would.
-      [[maybe_unused]] const auto written = ::write(to.tun, packet.bytes.data(), packet.bytes.size());
+      [[maybe_unused]] const auto written =
+          ::write(to.tun, packet.bytes.data(), packet.bytes.size());
       continue;
     }
     packet.has_arrived_at_router = true;

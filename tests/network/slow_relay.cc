@@ -16,7 +16,7 @@ namespace waymark::network {
 namespace {
 
 constexpr std::size_t kPieceBytes = 1448;       // of a full packet
-constexpr std::size_t kMaxWaiting = 64 * 1024;  // as a TCP window would
+constexpr std::size_t kMaxWaiting = 16 * 1024;  // as a TCP window would
 constexpr milliseconds kRetransmission{200};    // the least that Linux waits
 
 sockaddr_in Loopback(std::uint16_t port) {
