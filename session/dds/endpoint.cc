@@ -7,14 +7,12 @@
 #include <exception>
 
 #include "mapping/base/log.h"
+#include "session/dds/internal/qos.h"
 
 namespace waymark::session::dds {
 namespace {
 
-struct QosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
-using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+using internal::Qos;
 
 struct ListenerDeleter {
   void operator()(dds_listener_t* listener) const { dds_delete_listener(listener); }
@@ -64,6 +62,7 @@ class Loan {
   std::size_t size() const { return count_ < 0 ? 0 : static_cast<std::size_t>(count_); }
   bool IsFull() const { return size() == samples_.size(); }
   const void* sample(std::size_t i) const { return samples_[i]; }
+  std::uint64_t publication(std::size_t i) const { return infos_[i].publication_handle; }
 
   Arrival arrival(std::size_t i) const {
     if (infos_[i].valid_data) return Arrival::kSample;
@@ -128,15 +127,37 @@ bool Writer::HasReaders() const {
 
 // ---- Reader -----------------------------------------------------------------------------------
 
+std::string Source::Partition() const {
+  constexpr std::size_t kMaxKnown = 8192;
+  if (const auto found = known_.find(publication_); found != known_.end()) return found->second;
+  dds_builtintopic_endpoint_t* const endpoint =
+      dds_get_matched_publication_data(reader_, publication_);
+  if (endpoint == nullptr) return "";
+  std::string partition;
+  std::uint32_t count = 0;
+  char** names = nullptr;
+  if (dds_qget_partition(endpoint->qos, &count, &names)) {
+    if (count == 1) partition = names[0];
+    for (std::uint32_t i = 0; i < count; ++i) dds_free(names[i]);
+    dds_free(names);
+  }
+  dds_builtintopic_free_endpoint(endpoint);
+  if (known_.size() >= kMaxKnown) known_.clear();
+  known_.emplace(publication_, partition);
+  return partition;
+}
+
 struct Reader::Listening {
   Handler handler;
+  std::map<std::uint64_t, std::string> known = {};  // partitions of writers; one thread uses it
 
   void Drain(dds_entity_t reader) {
     for (bool may_have_more = true; may_have_more;) {
       const Loan loan(reader);
       for (std::size_t i = 0; i < loan.size(); ++i) {
-        handler(loan.arrival(i), loan.sample(i));
-        if (loan.IsAlsoDisposed(i)) handler(Arrival::kDisposed, loan.sample(i));
+        const Source source(reader, loan.publication(i), known);
+        handler(loan.arrival(i), loan.sample(i), source);
+        if (loan.IsAlsoDisposed(i)) handler(Arrival::kDisposed, loan.sample(i), source);
       }
       may_have_more = loan.IsFull();
     }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -58,11 +59,27 @@ enum class Arrival {
   kLost,      ///< no writer is left; only the key is set
 };
 
+/// Who wrote a sample, as far as DDS tells.
+class Source {
+ public:
+  Source(std::int32_t reader, std::uint64_t publication,
+         std::map<std::uint64_t, std::string>& known)
+      : reader_(reader), publication_(publication), known_(known) {}
+
+  /// Where its writer writes; empty when that is gone and was not asked for before.
+  std::string Partition() const;
+
+ private:
+  std::int32_t reader_;
+  std::uint64_t publication_;
+  std::map<std::uint64_t, std::string>& known_;
+};
+
 /// Hands every arrival to a handler on a DDS thread. The handler must be quick and only enqueue;
 /// it is never called after the reader is destroyed.
 class Reader {
  public:
-  using Handler = std::function<void(Arrival arrival, const void* sample)>;
+  using Handler = std::function<void(Arrival arrival, const void* sample, const Source& source)>;
 
   /// `partition` may hold wildcards.
   static Result<Reader> Create(Participant& participant, const Topic& topic,

@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "session/dds/internal/qos.h"
+
 namespace waymark::session::dds {
 namespace {
 
@@ -108,18 +110,59 @@ std::string ConfigurationXml(const ParticipantOptions& options, const std::strin
       options.lease, options.max_sample_bytes, options.transmit_loss_per_mille);
 }
 
-/// Domain numbers inside the process are ours to choose; the one on the wire is in the XML.
-Result<std::pair<Entity, dds_domainid_t>> CreateDomain(const std::string& xml, int wire_domain) {
-  constexpr dds_domainid_t kFirst = 1000;
-  constexpr dds_domainid_t kCount = 4096;
-  for (dds_domainid_t id = kFirst; id < kFirst + kCount; ++id) {
+/// Domain numbers inside the process are ours to choose; the one on the wire is in the XML. What is
+/// secured must be in the range that governance and permissions may name.
+Result<std::pair<Entity, dds_domainid_t>> CreateDomain(const std::string& xml, int wire_domain,
+                                                       bool is_secure) {
+  const dds_domainid_t first = is_secure ? 0 : 1000;
+  const dds_domainid_t count = is_secure ? 231 : 4096;
+  for (dds_domainid_t id = first; id < first + count; ++id) {
     const dds_entity_t handle = dds_create_domain(id, xml.c_str());
     if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) continue;  // taken
     WAYMARK_TRY_ASSIGN(Entity domain, Entity::Adopt(handle, fmt::format("domain {}", wire_domain)));
     return std::pair(std::move(domain), id);
   }
   return MakeError(ErrorCode::kUnavailable, "domain {}: the process already holds {} domains",
-                   wire_domain, kCount);
+                   wire_domain, count);
+}
+
+/// The plug-ins are those of Debian's Cyclone; the files are as session/keys names them.
+internal::Qos SecurityQos(const std::string& folder) {
+  internal::Qos qos(dds_create_qos());
+  const auto set = [&](const std::string& name, const std::string& value) {
+    dds_qset_prop(qos.get(), ("dds.sec." + name).c_str(), value.c_str());
+  };
+  const auto set_library = [&](const std::string& kind, const std::string& name,
+                               const std::string& what) {
+    set(kind + ".library.path", "dds_security_" + name);
+    set(kind + ".library.init", "init_" + what);
+    set(kind + ".library.finalize", "finalize_" + what);
+  };
+  const auto set_file = [&](const std::string& name, const std::string& file) {
+    set(name, "file:" + folder + "/" + file);
+  };
+  set_library("auth", "auth", "authentication");
+  set_library("crypto", "crypto", "crypto");
+  set_library("access", "ac", "access_control");
+  set_file("auth.identity_ca", "identity_ca.pem");
+  set_file("auth.identity_certificate", "certificate.pem");
+  set_file("auth.private_key", "key.pem");
+  set_file("access.permissions_ca", "permissions_ca.pem");
+  set_file("access.governance", "governance.p7s");
+  set_file("access.permissions", "permissions.p7s");
+  return qos;
+}
+
+/// What DDS would only say in its trace.
+Result<void> CheckSecurityFolder(const std::string& folder) {
+  for (const char* const name : {"identity_ca.pem", "certificate.pem", "key.pem",
+                                 "permissions_ca.pem", "governance.p7s", "permissions.p7s"}) {
+    if (::access((folder + "/" + name).c_str(), R_OK) == 0) continue;
+    return MakeError(ErrorCode::kNotFound,
+                     "{}/{}: expected what `waymark-keys issue` makes for DDS Security: {}", folder,
+                     name, std::strerror(errno));
+  }
+  return {};
 }
 
 }  // namespace
@@ -148,10 +191,16 @@ Result<Participant> Participant::Create(const ParticipantOptions& options) {
     WAYMARK_TRY_ASSIGN(interface, FindLocalAddress(server, ServerPort(options.domain)));
   }
   const std::string xml = ConfigurationXml(options, AddressText(interface), AddressText(server));
-  WAYMARK_TRY_ASSIGN(auto domain, CreateDomain(xml, options.domain));
-  const dds_entity_t handle = dds_create_participant(domain.second, nullptr, nullptr);
-  WAYMARK_TRY_ASSIGN(Entity participant,
-                     Entity::Adopt(handle, fmt::format("DDS domain {}", options.domain)));
+  const bool is_secure = !options.security_folder.empty();
+  if (is_secure) WAYMARK_TRY(CheckSecurityFolder(options.security_folder));
+  WAYMARK_TRY_ASSIGN(auto domain, CreateDomain(xml, options.domain, is_secure));
+  const auto qos = is_secure ? SecurityQos(options.security_folder) : nullptr;
+  const dds_entity_t handle = dds_create_participant(domain.second, qos.get(), nullptr);
+  WAYMARK_TRY_ASSIGN(
+      Entity participant,
+      Entity::Adopt(handle, is_secure ? fmt::format("DDS domain {} with the credentials of {}",
+                                                    options.domain, options.security_folder)
+                                      : fmt::format("DDS domain {}", options.domain)));
   return Participant(std::move(domain.first), std::move(participant));
 }
 

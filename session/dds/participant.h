@@ -19,7 +19,10 @@ struct ParticipantOptions {
   int domain = 0;                    ///< [0, 230]; decides the server's UDP ports
   std::string server = "127.0.0.1";  ///< host name or IPv4 address; for the server its own
   std::string lease = "3 s";         ///< a silent peer is dropped after this
-  int transmit_loss_per_mille = 0;   ///< own packets thrown away, [0, 999]; for tests of bad links
+  /// Folder of what DDS Security needs (session/keys): certificate.pem, key.pem, identity_ca.pem,
+  /// permissions_ca.pem, governance.p7s, permissions.p7s. Empty: neither encrypted nor checked.
+  std::string security_folder = {};
+  int transmit_loss_per_mille = 0;  ///< own packets thrown away, [0, 999]; for tests of bad links
   std::size_t max_sample_bytes = 6 * 1024 * 1024;  ///< larger ones are dropped unread
 
   Result<void> Validate() const;

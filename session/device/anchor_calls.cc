@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The application's half of a device session: anchors.
-#include <random>
-
 #include "session/device/internal/live_session.h"
 
 namespace waymark::session::internal {
 namespace {
-
-Uuid MakeUuid() {
-  std::random_device device;
-  const auto bits = [&device] { return std::uint64_t{device()} << 32 | device(); };
-  return UuidFromBits(bits(), bits());
-}
 
 Result<void> CheckContent(const std::string& kind, const std::string& payload) {
   if (kind.size() > kMaxKindBytes) {
@@ -27,47 +19,18 @@ Result<void> CheckContent(const std::string& kind, const std::string& payload) {
   return {};
 }
 
-Error ToError(const CommandReply& reply) {
-  const auto code = [&] {
-    switch (reply.outcome) {
-      case CommandOutcome::kConflict:
-        return ErrorCode::kConflict;
-      case CommandOutcome::kNotFound:
-        return ErrorCode::kNotFound;
-      case CommandOutcome::kInvalid:
-        return ErrorCode::kInvalidArgument;
-      case CommandOutcome::kApplied:
-      case CommandOutcome::kUnavailable:
-        break;
-    }
-    return ErrorCode::kUnavailable;
-  };
-  return Error{code(), reply.reason};
-}
-
 }  // namespace
 
 Result<CommandReply> LiveSession::Perform(AnchorCommand command) {
   command.request = MakeUuid();
-  std::unique_lock lock(mutex_);
-  commands_.Add(command, std::chrono::steady_clock::now());
-  inbox_.Push(WakeUp{});
-  changed_.wait_for(lock, options_.request_timeout,
-                    [&] { return has_left_ || commands_.FindReply(command.request) != nullptr; });
-  std::optional<CommandReply> reply;
-  if (const auto* found = commands_.FindReply(command.request)) reply = *found;
-  const CommandDesk::Farewell farewell = commands_.Remove(command.request);
-  if (!reply) {
-    const std::string why = farewell.last_refusal.empty() ? "" : ": " + farewell.last_refusal;
-    return MakeError(ErrorCode::kUnavailable, "{}: no answer about anchor {} within {} s{}",
-                     ServerName(), command.anchor.text(), options_.request_timeout.count(), why);
-  }
+  int sent = 0;
+  WAYMARK_TRY_ASSIGN(CommandReply reply, Await(command, "anchor " + command.anchor.text(), sent));
   // It was gone when the repetition came: the first one did it.
   const bool is_own_deletion = command.operation == AnchorOperation::kDelete &&
-                               reply->outcome == CommandOutcome::kNotFound && farewell.sent > 1;
-  if (is_own_deletion) reply->outcome = CommandOutcome::kApplied;
-  if (reply->outcome != CommandOutcome::kApplied) return ToError(*reply);
-  return *std::move(reply);
+                               reply.outcome == CommandOutcome::kNotFound && sent > 1;
+  if (is_own_deletion) reply.outcome = CommandOutcome::kApplied;
+  if (reply.outcome != CommandOutcome::kApplied) return ToError(reply);
+  return reply;
 }
 
 Result<SharedAnchor> LiveSession::PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
@@ -112,10 +75,11 @@ Result<SharedAnchor> LiveSession::MoveAnchor(const SharedAnchor& anchor,
 }
 
 Result<void> LiveSession::DeleteAnchor(const SharedAnchor& anchor) {
-  WAYMARK_TRY_ASSIGN(const CommandReply reply, Perform({.operation = AnchorOperation::kDelete,
-                                                        .anchor = anchor.id,
-                                                        .expected_revision = anchor.revision,
-                                                        .epoch = anchor.epoch}));
+  WAYMARK_TRY_ASSIGN(const CommandReply reply,
+                     Perform(AnchorCommand{.operation = AnchorOperation::kDelete,
+                                           .anchor = anchor.id,
+                                           .expected_revision = anchor.revision,
+                                           .epoch = anchor.epoch}));
   const std::lock_guard lock(mutex_);
   view_.OnGone(anchor.id);
   return {};

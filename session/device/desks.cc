@@ -31,7 +31,7 @@ void JoinDesk::Restart(Instant now) {
 
 bool JoinDesk::TakeHelloDue(Instant now) {
   if (is_connected_ && now - last_heard_ > kSilence) Restart(now);
-  if (is_connected_ || now < next_hello_) return false;
+  if (is_over_ || is_connected_ || now < next_hello_) return false;
   next_hello_ = now + kHelloInterval;
   return true;
 }
@@ -50,6 +50,7 @@ bool JoinDesk::TakeLongSilence(Instant now) {
 }
 
 Instant JoinDesk::NextDeadline() const {
+  if (is_over_) return kNever;
   return is_connected_ ? std::min(next_ping_, last_heard_ + kSilence) : next_hello_;
 }
 
@@ -57,6 +58,13 @@ JoinDesk::Outcome JoinDesk::On(const Welcome& welcome, Instant now) {
   // Attempts count up, so this understands them even across the wrap.
   const bool is_ours = welcome.attempt - first_attempt_ <= attempt_ - first_attempt_;
   if (!is_ours) return Outcome::kIgnored;
+  if (welcome.verdict == JoinVerdict::kRemoved) {
+    if (!welcome_ || welcome.run != welcome_->run) return Outcome::kIgnored;  // of an earlier life
+    is_connected_ = false;
+    is_over_ = true;
+    return Outcome::kRemoved;
+  }
+  if (is_over_) return Outcome::kIgnored;
   if (welcome.verdict != JoinVerdict::kAccepted) {
     return is_connected_ ? Outcome::kIgnored : Outcome::kRefused;
   }
@@ -151,12 +159,13 @@ Instant ImageDesk::NextDeadline() const {
 
 // ---- CommandDesk ------------------------------------------------------------------------------
 
-void CommandDesk::Add(const AnchorCommand& command, Instant now) {
-  entries_.emplace(command.request, Entry{command, now, 0, "", std::nullopt});
+void CommandDesk::Add(const Command& command, Instant now) {
+  const Uuid request = std::visit([](const auto& any) { return any.request; }, command);
+  entries_.emplace(request, Entry{command, now, 0, "", std::nullopt});
 }
 
-std::vector<AnchorCommand> CommandDesk::TakeDue(Instant now) {
-  std::vector<AnchorCommand> due;
+std::vector<Command> CommandDesk::TakeDue(Instant now) {
+  std::vector<Command> due;
   for (auto& [request, entry] : entries_) {
     if (entry.reply || now < entry.next) continue;
     entry.next = now + kCommandInterval;

@@ -27,6 +27,10 @@ Result<void> DeviceOptions::Validate() const {
                      "device name: expected at most {} bytes, found {}", kMaxNameBytes,
                      name.size());
   }
+  if (token.size() > kMaxTokenBytes) {
+    return MakeError(ErrorCode::kInvalidArgument, "token: expected at most {} bytes, found {}",
+                     kMaxTokenBytes, token.size());
+  }
   WAYMARK_TRY(correction.Validate());
   return alignment.Validate();
 }

@@ -17,6 +17,7 @@
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
+#include "session/state/role.h"
 
 namespace waymark::session {
 
@@ -43,8 +44,13 @@ struct DeviceOptions {
   int dds_domain = 0;  ///< [0, 230]; over DDS, must equal the server's
   /// PEM file of who vouches for a wss:// gateway; empty: the system's authorities.
   std::string authority_file = {};
+  /// Of the device's credentials for DDS Security (session/keys); over DDS, where the server has
+  /// them too. Empty: DDS is open.
+  std::string security_folder = {};
   RoomId room{"lobby"};
-  std::string name = "phone";                            ///< shown to the others
+  std::string name = "phone";  ///< shown to the others
+  /// What lets the phone in, from waymark-keys; empty where the server asks for none.
+  std::string token = {};
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
   KeyframeSizes keyframe_sizes = KeyframeSizes::kAdaptive;
   int jpeg_quality = 85;  ///< of what is sent kAsTaken, [30, 100]
@@ -94,6 +100,15 @@ struct OtherDevice {
   double sigma_m = 0;  ///< of the position; grows with what may have happened since the last report
   std::uint64_t epoch = 0;
   std::chrono::duration<double> age{0};  ///< of the last report when asked
+  Role role = Role::kMember;
+};
+
+/// What this phone is in its room.
+struct RoomStanding {
+  bool is_in = true;        ///< false: sent away, or not let in again after a silence
+  std::string reason = {};  ///< why it is not in
+  Role role = Role::kMember;
+  int returns = 0;  ///< how often it was away for a while and came back as itself
 };
 
 struct SharedAnchor {
@@ -166,8 +181,17 @@ class DeviceSession {
   virtual std::optional<ServerTime> SessionTime(DeviceTime instant) const = 0;
   virtual std::vector<OtherDevice> Others() const = 0;
 
+  virtual RoomStanding Standing() const = 0;
+  /// For moderators: sends a phone away, which learns the reason and may not come back for a while;
+  /// lets it come back; sets how many the room holds. Each waits for the answer.
+  /// Errors: InvalidArgument (not a moderator, a bad capacity), NotFound, Unavailable.
+  virtual Result<void> Kick(const DeviceId& device, const std::string& reason) = 0;
+  virtual Result<void> Readmit(const DeviceId& device) = 0;
+  virtual Result<void> SetCapacity(int devices) = 0;
+
   /// Places content relative to the phone's present pose. Waits for the durable acknowledgement.
-  /// Errors: Unavailable (never localised, or no answer), Conflict, InvalidArgument.
+  /// Errors: Unavailable (never localised, no answer, or sent away), Conflict, InvalidArgument
+  /// (which viewers are told too).
   virtual Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
                                            const std::string& kind, const std::string& payload) = 0;
   /// Errors: Conflict when someone else changed it first; NotFound.

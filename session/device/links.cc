@@ -17,6 +17,7 @@ Result<std::unique_ptr<wire::DeviceLink>> MakeBus(const DeviceOptions& options,
       dds::Participant::Create({.role = dds::ParticipantOptions::Role::kClient,
                                 .domain = options.dds_domain,
                                 .server = options.server,
+                                .security_folder = options.security_folder,
                                 .transmit_loss_per_mille = options.transmit_loss_per_mille}));
   WAYMARK_TRY_ASSIGN(
       auto bus, wire::DeviceBus::Create(std::make_shared<dds::Participant>(std::move(participant)),

@@ -59,16 +59,22 @@ LiveSession::~LiveSession() { Leave(); }
 
 void LiveSession::Work() {
   Instant deadline = std::chrono::steady_clock::now();
+  bool has_gone = false;
   while (!is_stopping_) {
     const std::vector<Item> items = inbox_.TakeAll(deadline);
+    bool is_over = false;
     {
       const std::lock_guard lock(mutex_);
       for (const Item& item : items) {
-        if (const auto* event = std::get_if<wire::DeviceLink::Event>(&item)) On(*event);
+        const auto* const event = std::get_if<wire::DeviceLink::Event>(&item);
+        if (event && !join_.IsOver()) On(*event);
       }
       SendWhatIsDue();
+      is_over = join_.IsOver();
     }
     changed_.notify_all();
+    // Sent away: the way to the server is closed, and what still comes is not listened to.
+    if (is_over && !std::exchange(has_gone, true)) link_->SayFarewell();
     SendFrame();
     const std::lock_guard lock(mutex_);
     deadline = NextDeadline();
@@ -83,7 +89,8 @@ void LiveSession::SendWhatIsDue() {
                             .protocol = kProtocol,
                             .attempt = join_.attempt(),
                             .room = options_.room,
-                            .name = options_.name});
+                            .name = options_.name,
+                            .token = options_.token});
   }
   if (join_.TakeLongSilence(now)) view_.BeginResync();
   if (join_.TakePingDue(now)) {
@@ -92,9 +99,13 @@ void LiveSession::SendWhatIsDue() {
                                 .sent = SteadyNow()});
   }
   if (join_.IsConnected()) {
-    for (AnchorCommand& command : commands_.TakeDue(now)) {
-      command.ticket = join_.welcome()->ticket;
-      (void)link_->Send(command);
+    for (Command& due : commands_.TakeDue(now)) {
+      std::visit(
+          [this](auto& command) {
+            command.ticket = join_.welcome()->ticket;
+            (void)link_->Send(command);
+          },
+          due);
     }
   }
   if (images_.TakeTimeout(now)) {
@@ -187,11 +198,22 @@ void LiveSession::On(const Welcome& welcome) {
       return;
     case JoinDesk::Outcome::kRefused:
       refusal_ = welcome;
+      standing_.is_in = false;  // it asks again
+      standing_.reason = welcome.reason;
+      return;
+    case JoinDesk::Outcome::kRemoved:
+      standing_.is_in = false;
+      standing_.reason = welcome.reason;
+      LogWarning("room {}: {}", options_.room.text(), welcome.reason);
       return;
     case JoinDesk::Outcome::kJoined:
       break;
   }
   ++statistics_.joins;
+  standing_.is_in = true;
+  standing_.reason.clear();
+  standing_.role = welcome.role;
+  if (welcome.is_return) ++standing_.returns;
   if (before && (before->map.map != welcome.map.map || before->map.epoch != welcome.map.epoch)) {
     tracker_.Reset();  // the fixes are in the frame of another release
   }

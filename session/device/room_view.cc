@@ -85,7 +85,8 @@ std::vector<OtherDevice> RoomView::Others(ServerTime now) const {
                                                          .is_present = !other.gone_since &&
                                                                        other.presence.run == run_ &&
                                                                        other.delivery == delivery_,
-                                                         .map_from_device = std::nullopt});
+                                                         .map_from_device = std::nullopt,
+                                                         .role = other.presence.role});
     const std::optional<RemoteTrack::Shown> at = other.track.At(now);
     if (!at) continue;
     shown.map_from_device = at->map_from_device;

@@ -63,6 +63,7 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
   {
     const std::lock_guard lock(mutex_);
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
+    if (!standing_.is_in) return NotIn();
     gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
     const std::size_t waiting = link_->WaitingImageBytes();
     const bool is_adaptive = options_.keyframe_sizes == KeyframeSizes::kAdaptive;
@@ -93,7 +94,8 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
     }
     tracker_.PushOdometry(vo_from_device, time);
     const bool is_due = time - last_report_ >= kMinReportInterval || time < last_report_;
-    if (has_left_ || !join_.IsConnected() || !is_due) return;
+    const bool may_share = join_.welcome() && MaySharePose(standing_.role);
+    if (has_left_ || !join_.IsConnected() || !may_share || !is_due) return;
     const DevicePose pose = CurrentPose();
     const std::optional<ServerTime> session_time = session_clock_.ToSession(ToSteady(time));
     if (!pose.map_from_device || !session_time) return;
@@ -147,6 +149,15 @@ SessionMap LiveSession::DescribeMap() const {
 std::vector<OtherDevice> LiveSession::Others() const {
   const std::lock_guard lock(mutex_);
   return view_.Others(SessionNow());
+}
+
+RoomStanding LiveSession::Standing() const {
+  const std::lock_guard lock(mutex_);
+  return standing_;
+}
+
+Error LiveSession::NotIn() const {
+  return MakeError(ErrorCode::kUnavailable, "room {}: {}", options_.room.text(), standing_.reason);
 }
 
 DeviceStatistics LiveSession::Statistics() const {

@@ -111,7 +111,11 @@ void SocketLink::OnFrame(std::span<const std::uint8_t> frame) {
   retry_ = kFirstRetry;
   patience_ = kPatience;
   Result<wire::Downward> message = wire::DecodeDownward(frame);
-  if (message) return handler_(*std::move(message));
+  if (message) {
+    const auto* const welcome = std::get_if<Welcome>(&*message);
+    if (welcome && welcome->verdict != JoinVerdict::kAccepted) retry_ = kLastRetry;
+    return handler_(*std::move(message));
+  }
   if (!std::exchange(has_warned_, true)) LogWarning("{}: {}", name_, ToString(message.error()));
 }
 

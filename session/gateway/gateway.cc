@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "mapping/base/log.h"
+#include "session/gateway/join_gate.h"
 #include "session/gateway/phone.h"
 #include "session/gateway/rooms.h"
 #include "session/wire/frames.h"
@@ -19,6 +20,10 @@ using internal::Phone;
 namespace {
 
 constexpr std::chrono::milliseconds kGathering{4};  // adds half of it to the age of a pose
+
+keys::WallTime WallNow() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
 
 std::uint64_t RandomBits() {
   std::random_device device;
@@ -33,6 +38,7 @@ class Gateway::Hub {
   Hub(const GatewayOptions& options, dds::Participant participant)
       : options_(options),
         participant_(std::make_shared<dds::Participant>(std::move(participant))),
+        gate_(options.door),
         loop_(options.threads),
         rooms_(participant_, options.relay, loop_) {}
 
@@ -64,6 +70,7 @@ class Gateway::Hub {
   GatewayCounters Counters() const {
     return {.phones = tally_.phones,
             .returns = tally_.returns,
+            .refused = tally_.refused,
             .frames = tally_.frames,
             .rejected = tally_.rejected,
             .throttled = tally_.throttled};
@@ -75,8 +82,14 @@ class Gateway::Hub {
   void Admit(std::shared_ptr<socket::Channel> channel) {
     const auto phone = std::make_shared<Phone>(
         channel, options_, tally_, *line_,
-        Phone::Calls{.enter = [this](const PhonePtr& newcomer,
+        Phone::Calls{.find_objection =
+                         [this](const Hello& hello, const std::string& peer) {
+                           return gate_.FindObjection(hello, peer, WallNow(),
+                                                      std::chrono::steady_clock::now());
+                         },
+                     .enter = [this](const PhonePtr& newcomer,
                                      const RoomId& room) { return rooms_.Enter(newcomer, room); },
+                     .post = [this](std::function<void()> task) { loop_.Post(std::move(task)); },
                      .on_attached = [this](const PhonePtr& attached) { Attach(attached); },
                      .on_lost = [this](const PhonePtr& lost) { Linger(lost); },
                      .on_left = [this](const PhonePtr& left) { LetGoSoon(left); }});
@@ -94,12 +107,14 @@ class Gateway::Hub {
   /// The newest connection speaks for its device; an earlier one, perhaps from an address that is
   /// gone, ends.
   void Attach(const PhonePtr& phone) {
-    ++tally_.phones;
     PhonePtr earlier;
     {
       const std::lock_guard lock(mutex_);
+      if (!connections_.contains(phone)) return;  // gone meanwhile
       earlier = std::exchange(devices_[*phone->device()], phone);
     }
+    ++tally_.phones;
+    phone->EnterRoom();
     if (!earlier) return;
     ++tally_.returns;
     LogInfo("device {}: came back, from {}", phone->device()->text(), phone->peer());
@@ -160,6 +175,7 @@ class Gateway::Hub {
   const GatewayOptions options_;
   const std::shared_ptr<dds::Participant> participant_;
   GatewayTally tally_;
+  internal::JoinGate gate_;
   socket::SocketLoop loop_;
   std::mutex mutex_;
   std::set<PhonePtr> connections_;        // guarded by mutex_

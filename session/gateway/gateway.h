@@ -8,6 +8,7 @@
 
 #include "mapping/base/result.h"
 #include "session/dds/participant.h"
+#include "session/keys/token_door.h"
 #include "session/socket/channel.h"
 #include "session/state/pose_relay.h"
 
@@ -24,6 +25,8 @@ struct GatewayOptions {
   /// from any address.
   std::chrono::milliseconds linger{2500};
   RelayOptions relay = {};  ///< what a phone is told of others
+  /// Asks for tokens before anything is opened for a phone; null: the server alone does.
+  std::shared_ptr<keys::TokenDoor> door = nullptr;
 
   Result<void> Validate() const;
 };
@@ -32,6 +35,7 @@ struct GatewayOptions {
 struct GatewayCounters {
   std::uint64_t phones = 0;     ///< that said who they are, each time
   std::uint64_t returns = 0;    ///< of these, whose earlier connection was still known
+  std::uint64_t refused = 0;    ///< at the door, or by the server
   std::uint64_t frames = 0;     ///< from phones
   std::uint64_t rejected = 0;   ///< of these, that were no messages
   std::uint64_t throttled = 0;  ///< of these, that were too many

@@ -26,8 +26,9 @@ Result<void> GatewayOptions::Validate() const {
 }
 
 std::string ToString(const GatewayCounters& counters) {
-  return fmt::format("phones={} returns={} frames={} rejected={} throttled={}", counters.phones,
-                     counters.returns, counters.frames, counters.rejected, counters.throttled);
+  return fmt::format("phones={} returns={} refused={} frames={} rejected={} throttled={}",
+                     counters.phones, counters.returns, counters.refused, counters.frames,
+                     counters.rejected, counters.throttled);
 }
 
 }  // namespace waymark::session

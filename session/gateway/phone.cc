@@ -11,6 +11,7 @@
 namespace waymark::session::internal {
 namespace {
 
+constexpr std::uint64_t kLoggedRefusals = 16;  // one of so many, lest a guesser fills the log
 constexpr int kMaxRejected = 20;  // a broken client is told so, a hostile one is not read for ever
 
 }  // namespace
@@ -106,8 +107,13 @@ void Phone::OnHello(Hello hello) {
     if (hello.device != hello_->device || hello.room != hello_->room) {
       return Close("another device or room");
     }
+    attempt_ = hello.attempt;
     return Say(std::move(hello));
   }
+  if (const auto objection = calls_.find_objection(hello, peer())) {
+    return Refuse(hello, *objection);
+  }
+  attempt_ = hello.attempt;
   auto room = calls_.enter(shared_from_this(), hello.room);
   if (room) hello_ = hello;
   auto ear = room ? (*room)->line().ListenFor(hello.device,
@@ -125,20 +131,66 @@ void Phone::OnHello(Hello hello) {
     ear_ = *std::move(ear);
   }
   Say(std::move(hello));
-  calls_.on_attached(shared_from_this());
 }
 
-void Phone::Hear(const wire::Downward& message) {
-  if (const auto* welcome = std::get_if<Welcome>(&message)) {
-    const std::lock_guard lock(mutex_);
-    ticket_ = welcome->ticket;
-    stance_.number = welcome->number;
+void Phone::Refuse(const Hello& hello, const std::string& why) {
+  if (tally_.refused++ % kLoggedRefusals == 0) {
+    LogInfo("{}: device {} refused at the door of room {}: {}", peer(), hello.device.text(),
+            hello.room.text(), why);
   }
+  const wire::Downward message(Welcome{.device = hello.device,
+                                       .attempt = hello.attempt,
+                                       .verdict = JoinVerdict::kRefused,
+                                       .reason = why});
   channel_->Send(wire::EncodeFrame(message), wire::SlotOf(message));
+  Close(why);
+}
+
+// Who may not be in the room hears nothing more of it.
+void Phone::Hear(const wire::Downward& message) {
+  if (is_refused_) return;
+  channel_->Send(wire::EncodeFrame(message), wire::SlotOf(message));
+  if (const auto* welcome = std::get_if<Welcome>(&message)) Hear(*welcome);
+}
+
+// Answers to another who says the same name are not this phone's; and it speaks for its device once
+// the server has taken it, for others know the name too.
+void Phone::Hear(const Welcome& welcome) {
+  if (welcome.attempt != attempt_) return;
+  switch (welcome.verdict) {
+    case JoinVerdict::kAccepted: {
+      {
+        const std::lock_guard lock(mutex_);
+        ticket_ = welcome.ticket;
+        stance_.number = welcome.number;
+      }
+      if (is_accepted_.exchange(true)) return;
+      return calls_.post([weak = weak_from_this()] {
+        if (const auto self = weak.lock()) self->calls_.on_attached(self);
+      });
+    }
+    case JoinVerdict::kRefused:
+    case JoinVerdict::kRemoved:
+      is_refused_ = true;
+      return Close(welcome.reason);
+    case JoinVerdict::kInvalid:
+    case JoinVerdict::kUnavailable:
+      return;  // it asks again
+  }
+}
+
+void Phone::EnterRoom() {
+  std::shared_ptr<Room> room;
+  {
+    const std::lock_guard lock(mutex_);
+    room = room_;
+  }
+  if (room) room->Admit(shared_from_this());
 }
 
 void Phone::OnEnd(const Error& why) {
-  if (!hello_ || has_left_) return calls_.on_left(shared_from_this());
+  if (is_refused_) ++tally_.refused;
+  if (!hello_ || has_left_ || is_refused_) return calls_.on_left(shared_from_this());
   LogInfo("device {}: {}", hello_->device.text(), why.message);
   calls_.on_lost(shared_from_this());
 }

@@ -29,7 +29,8 @@ class Allowance {
 };
 
 struct GatewayTally {
-  std::atomic<std::uint64_t> phones = 0, returns = 0, frames = 0, rejected = 0, throttled = 0;
+  std::atomic<std::uint64_t> phones = 0, returns = 0, refused = 0, frames = 0, rejected = 0,
+                             throttled = 0;
 };
 
 class Room;
@@ -40,11 +41,14 @@ class Phone : public std::enable_shared_from_this<Phone> {
  public:
   /// What the gateway does with it.
   struct Calls {
+    /// Why it may not come; nothing when it may.
+    std::function<std::optional<std::string>(const Hello&, const std::string& peer)> find_objection;
     std::function<Result<std::shared_ptr<Room>>(const std::shared_ptr<Phone>&, const RoomId&)>
         enter;
-    std::function<void(const std::shared_ptr<Phone>&)> on_attached;
-    std::function<void(const std::shared_ptr<Phone>&)> on_lost;  ///< without goodbye
-    std::function<void(const std::shared_ptr<Phone>&)> on_left;  ///< with it, or never attached
+    std::function<void(std::function<void()>)> post;                 ///< runs it on the loop
+    std::function<void(const std::shared_ptr<Phone>&)> on_attached;  ///< the server took it
+    std::function<void(const std::shared_ptr<Phone>&)> on_lost;      ///< without goodbye
+    std::function<void(const std::shared_ptr<Phone>&)> on_left;      ///< with it, or sent away
   };
 
   Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
@@ -72,6 +76,8 @@ class Phone : public std::enable_shared_from_this<Phone> {
     const std::lock_guard lock(mutex_);
     return stance_;
   }
+  /// The server took it: it hears what the room is told.
+  void EnterRoom();
   /// Tells the phone what is told to others too.
   void Tell(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {
     channel_->Send(frame, slot);
@@ -84,8 +90,10 @@ class Phone : public std::enable_shared_from_this<Phone> {
   void OnWhole(std::span<const std::uint8_t> frame);
   void Reject(const Error& why);
   void OnHello(Hello hello);
+  void Refuse(const Hello& hello, const std::string& why);
   void Say(wire::Upward message);
   void Hear(const wire::Downward& message);  // what it alone is told, on DDS threads
+  void Hear(const Welcome& welcome);
   void OnEnd(const Error& why);
 
   const std::shared_ptr<socket::Channel> channel_;
@@ -96,6 +104,8 @@ class Phone : public std::enable_shared_from_this<Phone> {
   wire::PartCollector parts_{socket::kMaxFrameBytes};
   int rejected_ = 0;
   bool has_left_ = false;
+  std::atomic<std::uint32_t> attempt_ = 0;  // of its latest Hello
+  std::atomic<bool> is_accepted_ = false, is_refused_ = false;
   std::optional<Hello> hello_;  // the first
 
   mutable std::mutex mutex_;

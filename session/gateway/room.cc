@@ -21,6 +21,12 @@ Result<std::shared_ptr<Room>> Room::Open(std::shared_ptr<dds::Participant> parti
 
 void Room::Enter(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
+  waiting_.insert(phone);
+}
+
+void Room::Admit(const PhonePtr& phone) {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.erase(phone) == 0) return;
   const auto tell = [&](const Word& word) {
     if (word.frame) phone->Tell(word.frame, std::nullopt);
   };
@@ -33,8 +39,9 @@ void Room::Enter(const PhonePtr& phone) {
 
 bool Room::Leave(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
+  waiting_.erase(phone);
   phones_.erase(phone);
-  return phones_.empty();
+  return phones_.empty() && waiting_.empty();
 }
 
 void Room::TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {

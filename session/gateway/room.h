@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 
 #include "session/gateway/phone.h"
 #include "session/state/pose_relay.h"
@@ -22,8 +23,11 @@ class Room : public std::enable_shared_from_this<Room> {
                                             const RoomId& room, const RelayOptions& relay,
                                             socket::SocketLoop& loop);
 
-  /// From now on the phone is told what the room is told, after all that still holds of what was.
+  /// The phone waits at the door: it keeps the room open and is told nothing.
   void Enter(const PhonePtr& phone);
+  /// From now on it is told what the room is told, after all that still holds of what was; unless
+  /// it left meanwhile.
+  void Admit(const PhonePtr& phone);
   /// Says whether nobody is left.
   bool Leave(const PhonePtr& phone);
 
@@ -56,6 +60,7 @@ class Room : public std::enable_shared_from_this<Room> {
   socket::SocketLoop& loop_;
   std::mutex mutex_;
   // Guarded by mutex_.
+  std::set<PhonePtr> waiting_;
   std::map<PhonePtr, PoseRelay::Listener> phones_;
   PoseRelay relay_;
   PoseBatch tick_;  // the one heard last, without poses

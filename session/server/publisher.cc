@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::chrono::seconds kLastWords{5};      // a device's writers live on after its end
 constexpr std::chrono::seconds kMemoryOfEnds{30};  // ten leases: who missed it has left
+constexpr int kMaxRefusalsLogged = 5;              // in a second
+constexpr std::size_t kMaxRefusedDevices = 512;    // so that they take no places from others
 constexpr std::size_t kMaxOpenDevices = 4096;      // beyond it hellos are not answered
 
 void LogFailure(const Result<void>& result) {
@@ -28,18 +30,37 @@ void Publisher::Do(const effect::CloseRoom& effect, ServerTime) {
   audiences_.erase(effect.room);
 }
 
-void Publisher::Do(const effect::SendWelcome& effect, ServerTime) {
+// A device that is refused asks again and again, and a hostile one as fast as it can.
+void Publisher::Log(const RoomId& room, const Welcome& welcome, ServerTime now) {
+  if (welcome.verdict == JoinVerdict::kAccepted) {
+    ++counters_.joins;
+    return;
+  }
+  const bool is_removal = welcome.verdict == JoinVerdict::kRemoved;
+  ++(is_removal ? counters_.removals : counters_.refusals);
+  if (now - log_second_ >= std::chrono::seconds(1)) {
+    log_second_ = now;
+    refusals_logged_ = 0;
+  }
+  if (++refusals_logged_ > kMaxRefusalsLogged) return;
+  LogInfo("room {}: device {} {}: {}", room.text(), welcome.device.text(),
+          is_removal ? "removed" : "refused", welcome.reason);
+}
+
+void Publisher::Do(const effect::SendWelcome& effect, ServerTime now) {
   const DeviceId& device = effect.welcome.device;
   const auto open = open_devices_.find(device);
   if (open == open_devices_.end() || open->second != effect.room) {
+    const bool is_refused = effect.welcome.verdict != JoinVerdict::kAccepted;
     if (open_devices_.size() >= kMaxOpenDevices) return;
+    if (is_refused && closing_devices_.size() >= kMaxRefusedDevices) return;
     const Result<void> opened = bus_.OpenDevice(effect.room, device);
     if (!opened.ok()) return LogFailure(opened);
     open_devices_.insert_or_assign(device, effect.room);
   }
   closing_devices_.erase(device);
+  Log(effect.room, effect.welcome, now);
   if (effect.welcome.verdict == JoinVerdict::kAccepted) {
-    ++counters_.joins;
     const auto audience = audiences_.find(effect.room);
     if (audience != audiences_.end()) {
       audience->second.listeners.insert_or_assign(device,

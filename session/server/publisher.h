@@ -46,6 +46,7 @@ class Publisher {
     PoseRelay relay;
     std::map<DeviceId, PoseRelay::Listener> listeners;
   };
+  void Log(const RoomId& room, const Welcome& welcome, ServerTime now);
 
   template <typename Key>
   void Forget(Withdrawn<Key>& withdrawn, ServerTime now);
@@ -55,6 +56,8 @@ class Publisher {
   wire::ServerBus& bus_;
   const RelayOptions relay_options_;
   ServerCounters& counters_;
+  ServerTime log_second_;    // refusals are logged by the second
+  int refusals_logged_ = 0;  // in it
   std::map<DeviceId, RoomId> open_devices_;
   std::map<RoomId, Audience> audiences_;
   std::map<DeviceId, ServerTime> closing_devices_;  // since when

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "mapping/base/log.h"
+#include "session/recording/recorder.h"
 #include "session/server/attachments.h"
 #include "session/server/publisher.h"
 #include "session/server/store_workers.h"
@@ -17,10 +18,15 @@ namespace {
 
 constexpr std::size_t kMaxWaitingMessages = 16'384;
 constexpr std::size_t kMaxWaitingBytes = 128 * 1024 * 1024;
+constexpr std::chrono::seconds kDoorInterval{1};
 
 ServerTime Now() {
   return ServerTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
       std::chrono::steady_clock::now().time_since_epoch()));
+}
+
+keys::WallTime WallNow() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
 std::uint64_t RandomBits() {
@@ -34,13 +40,6 @@ std::size_t WeightOf(const wire::Upward& message) {
   return 0;
 }
 
-dds::ParticipantOptions BusOptions(const ServerOptions& options) {
-  return {.role = dds::ParticipantOptions::Role::kServer,
-          .domain = options.dds_domain,
-          .server = options.address,
-          .transmit_loss_per_mille = options.transmit_loss_per_mille};
-}
-
 }  // namespace
 
 /// The one thread that owns the state, and what leaves things in its inbox.
@@ -51,24 +50,33 @@ class Server::Loop {
             std::chrono::duration<double>(1 / options.tick_hz))),
         run_(RunId{RandomBits()}),
         inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
-        state_(options.state, run_,
-               {.map = parts.map.id,
-                .is_geo_aligned = parts.map.is_geo_aligned,
-                .origin = parts.map.origin,
-                .epoch = parts.served.release.epoch},
-               std::make_shared<const Placements>(PlacementsOf(parts.served.release))),
+        begin_{.options = options.state,
+               .run = run_,
+               .map = {.map = parts.map.id,
+                       .is_geo_aligned = parts.map.is_geo_aligned,
+                       .origin = parts.map.origin,
+                       .epoch = parts.served.release.epoch},
+               .placements = std::make_shared<const Placements>(PlacementsOf(parts.served.release)),
+               .started_utc_ms = WallNow().time_since_epoch().count() * 1000},
+        state_(begin_.options, run_, begin_.map, begin_.placements),
         store_(std::move(parts.store), parts.served.release, parts.map.origin,
                std::move(parts.load_release),
                [this](Event event) {
                  inbox_.Push({Now(), std::move(event)});
                }),
-        pool_(options.localise, std::move(parts.served.localise), [this](LocaliseAnswer answer) {
-          inbox_.Push({Now(), std::move(answer)});
-        }) {}
+        pool_(options.localise, std::move(parts.served.localise),
+              [this](LocaliseAnswer answer) {
+                inbox_.Push({Now(), std::move(answer)});
+              }),
+        open_role_(options.open_role),
+        door_(std::move(parts.door)) {}
 
   Result<void> Start(const ServerOptions& options) {
+    if (!options.recording_file.empty()) {
+      WAYMARK_TRY_ASSIGN(recorder_, recording::Recorder::Create(options.recording_file, begin_));
+    }
     WAYMARK_TRY_ASSIGN(bus_, wire::ServerBus::Create(
-                                 BusOptions(options),
+                                 options.BusOptions(),
                                  [this](wire::Upward message) { Receive(std::move(message)); },
                                  [this](GatewayReport report) { Receive(std::move(report)); }));
     publisher_.emplace(*bus_, options.relay, counters_);
@@ -91,6 +99,7 @@ class Server::Loop {
       counters_.rejected_messages = bus_->RejectedMessages();
       counters_.dropped_messages = inbox_.DroppedItems();
       bus_.reset();
+      recorder_.reset();
     }
     return counters_;
   }
@@ -120,6 +129,7 @@ class Server::Loop {
       if (steady_clock::now() < next_tick) continue;
       Apply(event::Ticked{});
       publisher_->Tend(Now());
+      LookAtDoor();
       next_tick = std::max(next_tick + tick_, steady_clock::now());  // late ticks do not pile up
     }
   }
@@ -144,9 +154,17 @@ class Server::Loop {
   }
 
   void On(Hello hello, ServerTime) {
-    Apply(event::HelloReceived{std::move(hello), Ticket{RandomBits()}});
+    event::Permit permit{.role = open_role_};
+    if (door_) permit = door_->Check(hello, WallNow(), Now());
+    hello.token.clear();
+    Apply(event::HelloReceived{std::move(hello), Ticket{RandomBits()}, std::move(permit)});
   }
-  void On(wire::Farewell farewell, ServerTime) { Apply(event::DeviceLeft{farewell.device}); }
+  void On(wire::Farewell farewell, ServerTime) {
+    Apply(event::DeviceLeft{farewell.device, !farewell.is_lost});
+  }
+  void On(RoomCommand command, ServerTime) {
+    Apply(event::RoomCommandReceived{std::move(command)});
+  }
   void On(PoseReport report, ServerTime) {
     ++counters_.poses;
     Apply(event::PoseReceived{report});
@@ -186,6 +204,14 @@ class Server::Loop {
     pool_.Submit(member->device, std::move(query));
   }
 
+  /// Who was let in and is revoked since goes at once.
+  void LookAtDoor() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!door_ || now - door_seen_ < kDoorInterval) return;
+    door_seen_ = now;
+    if (auto revoked = door_->Refresh()) Apply(*std::move(revoked));
+  }
+
   void GoOver(ServedRelease served) {
     const std::uint64_t epoch = served.release.epoch;
     const auto placements = std::make_shared<const Placements>(PlacementsOf(served.release));
@@ -204,7 +230,9 @@ class Server::Loop {
 
   void Apply(const Event& event) {
     const ServerTime now = Now();
-    for (Effect& effect : state_.Apply(event, now)) {
+    std::vector<Effect> effects = state_.Apply(event, now);
+    if (recorder_) recorder_->Write(event, now, effects);
+    for (Effect& effect : effects) {
       std::visit([&](auto& wanted) { Do(std::move(wanted), now); }, effect);
     }
   }
@@ -222,34 +250,20 @@ class Server::Loop {
   const std::chrono::nanoseconds tick_;
   const RunId run_;
   Inbox<Item> inbox_;
+  const recording::RecordingHeader begin_;
   SessionState state_;       // owned by the loop
   ServerCounters counters_;  // owned by the loop
   StoreWorkers store_;
   LocalisePool pool_;
+  const Role open_role_;
+  const std::unique_ptr<keys::TokenDoor> door_;      // null: everybody may come
+  std::chrono::steady_clock::time_point door_seen_;  // owned by the loop
+  std::unique_ptr<recording::Recorder> recorder_;    // null: nothing is recorded
   std::unique_ptr<wire::ServerBus> bus_;
   std::optional<Publisher> publisher_;  // owned by the loop
   std::atomic<bool> is_stopping_ = false;
   std::thread thread_;
 };
-
-Result<void> ServerOptions::Validate() const {
-  if (!(tick_hz >= 1 && tick_hz <= 240)) {
-    return MakeError(ErrorCode::kInvalidArgument, "tick: expected [1, 240] Hz, found {}", tick_hz);
-  }
-  WAYMARK_TRY(localise.Validate());
-  WAYMARK_TRY(state.Validate());
-  WAYMARK_TRY(relay.Validate());
-  return BusOptions(*this).Validate();
-}
-
-std::string ToString(const ServerCounters& counters) {
-  return fmt::format(
-      "{} joins, {} departures, {} poses, {} pose batches, {} images ({} localised, {} busy), {} "
-      "anchor commands ({} written), {} releases swapped, {} messages rejected, {} dropped",
-      counters.joins, counters.departures, counters.poses, counters.pose_batches, counters.images,
-      counters.localised, counters.busy, counters.anchor_commands, counters.anchor_changes,
-      counters.swaps, counters.rejected_messages, counters.dropped_messages);
-}
 
 Server::Server(std::unique_ptr<Loop> loop) : loop_(std::move(loop)) {}
 Server::~Server() { loop_->Stop(); }

@@ -9,6 +9,7 @@
 #include "mapping/base/result.h"
 #include "mapping/store/map_directory.h"
 #include "session/dds/participant.h"
+#include "session/keys/token_door.h"
 #include "session/server/anchor_support.h"
 #include "session/server/localise_pool.h"
 #include "session/state/pose_relay.h"
@@ -21,11 +22,18 @@ struct ServerOptions {
   int dds_domain = 0;                 ///< [0, 230]
   double tick_hz = 30;                ///< pose batches per second, [1, 240]; 30 adds 20 ms at p50
   int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
+  /// Of the server's credentials for DDS Security (session/keys); empty: DDS is open.
+  std::string security_folder = {};
+  /// Everything that enters the state is written to this file (session/recording); empty: nothing.
+  std::string recording_file = {};
   LocalisePoolOptions localise = {};
   StateOptions state = {};
   RelayOptions relay = {};  ///< to devices on the bus; gateways have their own
+  Role open_role = Role::kMember;  ///< of all who come, where no tokens are asked for
 
   Result<void> Validate() const;
+  /// How it takes part in the bus.
+  dds::ParticipantOptions BusOptions() const;
 };
 
 /// A release, and who finds images in it.
@@ -40,11 +48,14 @@ struct ServerParts {
   ServedRelease served;
   std::unique_ptr<content::AnchorStore> store;
   LoadRelease load_release = {};  ///< of the map; for anchors that missed some, may be empty
+  std::unique_ptr<keys::TokenDoor> door = {};  ///< asks for tokens; null: everybody may come
 };
 
 /// Since the start.
 struct ServerCounters {
   std::uint64_t joins = 0;
+  std::uint64_t refusals = 0;  ///< of joins
+  std::uint64_t removals = 0;  ///< by moderators, or because a token ended
   std::uint64_t departures = 0;
   std::uint64_t poses = 0;
   std::uint64_t pose_batches = 0;

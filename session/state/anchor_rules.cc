@@ -50,8 +50,10 @@ std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& co
                                                          const RoomAnchor& current,
                                                          const AnchorRules& rules) {
   const std::string& device = member.device.text();
-  const bool may_edit = content::MayEdit(current.record, member.room, device) &&
-                        (rules.rights == AnchorRights::kEveryone || current.record.owner == device);
+  const bool may_edit =
+      MayModerate(member.role()) ||
+      (content::MayEdit(current.record, member.room, device) &&
+       (rules.rights == AnchorRights::kEveryone || current.record.owner == device));
   if (!may_edit) {
     return CommandVerdict{
         CommandOutcome::kInvalid,
@@ -81,6 +83,12 @@ std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& c
                                                           const RoomMember& member,
                                                           const Room& room,
                                                           const AnchorRules& rules) {
+  if (!MayWriteAnchors(member.role())) {
+    return CommandVerdict{CommandOutcome::kForbidden,
+                          fmt::format("anchor {}: a viewer of room {} may not write anchors",
+                                      command.anchor.text(), member.room.text()),
+                          std::nullopt};
+  }
   const bool has_pose = command.operation != AnchorOperation::kDelete;
   if (has_pose && command.epoch != rules.live_epoch) {
     return CommandVerdict{CommandOutcome::kConflict,

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -18,13 +20,34 @@ enum class WriteNumber : std::uint64_t {};
 
 namespace event {
 
-/// `fresh_ticket` is random and unused so far; it is taken only if the device is new.
+/// What the check of a token came to; by default, that of a server which asks for none.
+struct Permit {
+  std::string refusal = {};  ///< why not; empty: it may
+  Role role = Role::kMember;
+  std::string token_id = {};        ///< names the token without being it; empty: came with none
+  std::string token_key = {};       ///< names the key that signed it
+  bool is_for_this_device = false;  ///< as opposed to any
+  std::optional<ServerTime> until = {};  ///< then it ends
+};
+/// `fresh_ticket` is random and unused so far; it is taken only if the device is new. The token
+/// itself is not in `hello` any more.
 struct HelloReceived {
   Hello hello;
   Ticket fresh_ticket{};
+  Permit permit = {};
 };
 struct DeviceLeft {
   DeviceId device;
+  bool said_goodbye = true;  ///< false: its connection or process was lost, it may come back
+};
+/// These tokens, all of these devices, and all that these keys signed, count no more.
+struct PermitsRevoked {
+  std::set<std::string> token_ids;
+  std::set<DeviceId> devices;
+  std::set<std::string> token_keys = {};
+};
+struct RoomCommandReceived {
+  RoomCommand command;
 };
 /// Any sign of life that carries nothing else: a ping, an image.
 struct Heard {
@@ -76,7 +99,8 @@ struct Ticked {};
 using Event =
     std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
                  event::CommandReceived, event::RoomLoaded, event::WriteFinished,
-                 event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked>;
+                 event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked,
+                 event::PermitsRevoked, event::RoomCommandReceived>;
 
 namespace effect {
 

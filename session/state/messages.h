@@ -17,6 +17,7 @@
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
+#include "session/state/role.h"
 #include "session/state/uuid.h"
 
 /// What devices and the server say to each other, as plain values; idl/README.md has the topics.
@@ -28,6 +29,7 @@ inline constexpr std::uint32_t kProtocol = 1;
 inline constexpr std::size_t kMaxNameBytes = 64;
 inline constexpr std::size_t kMaxKindBytes = 255;
 inline constexpr std::size_t kMaxReasonBytes = 255;
+inline constexpr std::size_t kMaxTokenBytes = 512;
 inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
@@ -50,9 +52,11 @@ struct Hello {
   std::uint32_t attempt = 1;  ///< grows with every join of this device
   RoomId room;                ///< 1 to 64 of A-Z a-z 0-9 _ -
   std::string name;           ///< at most 64 bytes of printable UTF-8
+  std::string token = {};     ///< see session/keys/token.h; never kept, logged or recorded
 };
 
-enum class JoinVerdict : std::uint8_t { kAccepted, kInvalid, kRefused, kUnavailable };
+/// kRemoved ends what an earlier welcome began.
+enum class JoinVerdict : std::uint8_t { kAccepted, kInvalid, kRefused, kUnavailable, kRemoved };
 
 /// Which map a room stands in.
 struct MapIdentity {
@@ -72,6 +76,8 @@ struct Welcome {
   DeviceNumber number{};
   MapIdentity map = {};
   ServerTime session_time = {};
+  Role role = Role::kMember;
+  bool is_return = false;  ///< it was here shortly before, and is itself again
 };
 
 struct Presence {
@@ -79,6 +85,19 @@ struct Presence {
   DeviceNumber number{};
   std::string name;
   RunId run{};
+  Role role = Role::kMember;
+};
+
+enum class RoomOperation : std::uint8_t { kRemoveDevice, kReadmitDevice, kSetCapacity };
+
+/// What a moderator wants of the room; a CommandReply without an anchor answers it.
+struct RoomCommand {
+  Ticket ticket{};
+  Uuid request{};  ///< the same in every repetition
+  RoomOperation operation = RoomOperation::kRemoveDevice;
+  DeviceId device{FormatUuid({})};  ///< remove, readmit
+  std::uint32_t capacity = 0;       ///< set capacity
+  std::string reason = {};          ///< remove: told to the device
 };
 
 // ---- live poses -------------------------------------------------------------------------------
@@ -181,7 +200,14 @@ struct AnchorCommand {
   std::string payload = {};            ///< create
 };
 
-enum class CommandOutcome : std::uint8_t { kApplied, kConflict, kNotFound, kInvalid, kUnavailable };
+enum class CommandOutcome : std::uint8_t {
+  kApplied,
+  kConflict,
+  kNotFound,
+  kInvalid,
+  kUnavailable,
+  kForbidden,  ///< not with this role
+};
 
 struct CommandReply {
   DeviceId device;

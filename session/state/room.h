@@ -27,6 +27,17 @@ struct RoomMember {
   ServerTime pose_published;
   std::set<Uuid> under_way;           ///< commands that wait for the store
   std::deque<CommandReply> answered;  ///< oldest first, for repetitions
+  std::uint32_t attempt = 0;          ///< of the latest Hello
+  event::Permit permit = {};          ///< that it came with
+
+  Role role() const { return permit.role; }
+};
+
+/// A device that a moderator removed from a room.
+struct Ban {
+  ServerTime until;
+  std::string token_id;  ///< that it had come with; empty: none
+  std::string reason;
 };
 
 bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b);
@@ -38,6 +49,8 @@ struct Room {
   bool is_open = false;                       ///< false: its anchors are being read
   std::vector<event::HelloReceived> waiting;  ///< while not open
   std::set<DeviceId> members;
+  std::set<DeviceId> away;     ///< silent for a while; their seats are kept
+  std::uint32_t capacity = 0;  ///< devices that it holds; set when it is opened
   std::map<AnchorId, RoomAnchor> anchors;
   std::uint64_t revision = 0;
   std::uint64_t digest = 0;

@@ -82,10 +82,10 @@ void SessionState::On(const event::WriteFinished& event, Step& step) {
     verdict = DecideConflict(write.operation, write.intended, current);
   }
   if (verdict.current && !IsForTheRoom(verdict.current->record)) verdict.current.reset();
-  const auto member = members_.find(write.device);
-  if (member == members_.end()) return;  // left meanwhile; what was written stays
-  member->second.under_way.erase(write.request);
-  Answer(member->second, write.request, write.intended.id, verdict, step);
+  RoomMember* const member = FindKnown(write.device);
+  if (member == nullptr) return;  // left meanwhile; what was written stays
+  member->under_way.erase(write.request);
+  Answer(*member, write.request, write.intended.id, verdict, step);
 }
 
 // What the store's feed has told already, and what came after it, is not to be told again.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who is in which room.
+// Who is in which room: coming and going. What they may do there is in session_rights.cc.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,21 +16,30 @@ void SessionState::On(const event::HelloReceived& event, Step& step) {
            fmt::format("expected protocol {} or later, found 0", kProtocol), step);
     return;
   }
+  if (const auto objection = FindObjection(event, step.now)) {
+    return Refuse(hello, JoinVerdict::kRefused, *objection, step);
+  }
   if (const auto found = members_.find(hello.device); found != members_.end()) {
-    if (found->second.room == hello.room) {
-      found->second.last_heard = step.now;
-      Greet(found->second, hello.attempt, step);
-      return;
-    }
+    if (found->second.room == hello.room) return Renew(found->second, event, step);
     Remove(hello.device, step);
   }
   const auto room = rooms_.find(hello.room);
   if (room != rooms_.end() && room->second.is_open) return Admit(event, step);
-  if (room == rooms_.end()) {
+  OpenFor(event, step);
+}
+
+void SessionState::OpenFor(const event::HelloReceived& event, Step& step) {
+  const Hello& hello = event.hello;
+  if (!rooms_.contains(hello.room)) {
+    if (options_.opening == RoomOpening::kModerators && !MayModerate(event.permit.role)) {
+      return Refuse(
+          hello, JoinVerdict::kRefused,
+          fmt::format("room {}: is opened by a moderator, who is not here yet", hello.room.text()),
+          step);
+    }
     if (rooms_.size() >= options_.max_rooms) {
-      Refuse(hello, JoinVerdict::kRefused,
-             fmt::format("the server holds its {} rooms already", options_.max_rooms), step);
-      return;
+      return Refuse(hello, JoinVerdict::kRefused,
+                    fmt::format("the server holds its {} rooms already", options_.max_rooms), step);
     }
     step.effects.push_back(effect::LoadRoom{hello.room});
   }
@@ -49,47 +58,72 @@ void SessionState::On(const event::HelloReceived& event, Step& step) {
 void SessionState::Admit(const event::HelloReceived& event, Step& step) {
   const Hello& hello = event.hello;
   Room& room = rooms_.at(hello.room);
-  if (room.members.size() >= options_.max_members) {
+  std::optional<RoomMember> returning = TakeAway(hello.device);
+  if (returning && returning->room == hello.room) {
+    returning->name = hello.name;
+    returning->attempt = hello.attempt;
+    returning->permit = event.permit;
+    return Seat(*std::move(returning), true, step);
+  }
+  if (room.members.size() + room.away.size() >= room.capacity) {
     Refuse(hello, JoinVerdict::kRefused,
-           fmt::format("room {}: holds its {} devices already", hello.room.text(),
-                       options_.max_members),
+           fmt::format("room {}: holds its {} devices already", hello.room.text(), room.capacity),
            step);
     return;
   }
-  RoomMember member{.device = hello.device,
-                    .room = hello.room,
-                    .name = hello.name,
-                    .ticket = event.fresh_ticket,
-                    .number = DeviceNumber{next_number_++},
-                    .last_heard = step.now,
-                    .pose = std::nullopt,
-                    .pose_is_new = false,
-                    .pose_published = {},
-                    .under_way = {},
-                    .answered = {}};
-  Greet(member, hello.attempt, step);
-  step.effects.push_back(effect::PublishPresence{
-      hello.room, Presence{member.device, member.number, member.name, run_}});
-  room.members.insert(hello.device);
-  room.last_used = step.now;
-  tickets_.emplace(member.ticket, hello.device);
-  members_.emplace(hello.device, std::move(member));
+  Seat({.device = hello.device,
+        .room = hello.room,
+        .name = hello.name,
+        .ticket = event.fresh_ticket,
+        .number = DeviceNumber{next_number_++},
+        .last_heard = step.now,
+        .pose = std::nullopt,
+        .pose_is_new = false,
+        .pose_published = {},
+        .under_way = {},
+        .answered = {},
+        .attempt = hello.attempt,
+        .permit = event.permit},
+       false, step);
 }
 
-void SessionState::Greet(const RoomMember& member, std::uint32_t attempt, Step& step) {
+void SessionState::Seat(RoomMember member, bool is_return, Step& step) {
+  member.last_heard = step.now;
+  Greet(member, is_return, step);
+  Announce(member, step);
+  Room& room = rooms_.at(member.room);
+  room.members.insert(member.device);
+  room.last_used = step.now;
+  tickets_.emplace(member.ticket, member.device);
+  const DeviceId device = member.device;
+  members_.emplace(device, std::move(member));
+}
+
+void SessionState::Greet(const RoomMember& member, bool is_return, Step& step) {
   step.effects.push_back(effect::SendWelcome{member.room, Welcome{.device = member.device,
-                                                                  .attempt = attempt,
+                                                                  .attempt = member.attempt,
                                                                   .verdict = JoinVerdict::kAccepted,
                                                                   .reason = "",
                                                                   .run = run_,
                                                                   .ticket = member.ticket,
                                                                   .number = member.number,
                                                                   .map = map_,
-                                                                  .session_time = step.now}});
+                                                                  .session_time = step.now,
+                                                                  .role = member.role(),
+                                                                  .is_return = is_return}});
 }
 
+void SessionState::Announce(const RoomMember& member, Step& step) {
+  step.effects.push_back(effect::PublishPresence{
+      member.room, Presence{member.device, member.number, member.name, run_, member.role()}});
+}
+
+// Whoever says a device's name without the right to it must not end what is said to the device,
+// nor have it said elsewhere.
 void SessionState::Refuse(const Hello& hello, JoinVerdict verdict, const std::string& reason,
                           Step& step) {
+  const auto member = members_.find(hello.device);
+  if (member != members_.end() && member->second.room != hello.room) return;
   step.effects.push_back(effect::SendWelcome{hello.room, Welcome{.device = hello.device,
                                                                  .attempt = hello.attempt,
                                                                  .verdict = verdict,
@@ -99,7 +133,7 @@ void SessionState::Refuse(const Hello& hello, JoinVerdict verdict, const std::st
                                                                  .number = {},
                                                                  .map = map_,
                                                                  .session_time = step.now}});
-  step.effects.push_back(effect::CloseDevice{hello.device});
+  if (member == members_.end()) step.effects.push_back(effect::CloseDevice{hello.device});
 }
 
 void SessionState::On(const event::RoomLoaded& event, Step& step) {
@@ -115,6 +149,7 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
     return;
   }
   room.is_open = true;
+  room.capacity = static_cast<std::uint32_t>(options_.max_members);
   room.waiting.clear();
   room.revision = room.followed = *event.revision;
   step.effects.push_back(effect::OpenRoom{event.room});
@@ -128,9 +163,9 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
 
 void SessionState::On(const event::DeviceLeft& event, Step& step) {
   if (members_.contains(event.device)) {
-    Remove(event.device, step);
-    return;
+    return event.said_goodbye ? Remove(event.device, step) : SetAway(event.device, step);
   }
+  if (event.said_goodbye) (void)TakeAway(event.device);
   for (auto& [id, room] : rooms_) {
     std::erase_if(room.waiting, [&](const event::HelloReceived& waiting) {
       return waiting.hello.device == event.device;
@@ -138,9 +173,9 @@ void SessionState::On(const event::DeviceLeft& event, Step& step) {
   }
 }
 
-void SessionState::Remove(const DeviceId& device, Step& step) {
+RoomMember SessionState::Unseat(const DeviceId& device, Step& step) {
   const auto found = members_.find(device);
-  const RoomMember& member = found->second;
+  RoomMember member = std::move(found->second);
   Room& room = rooms_.at(member.room);
   room.members.erase(device);
   room.last_used = step.now;
@@ -148,6 +183,54 @@ void SessionState::Remove(const DeviceId& device, Step& step) {
   step.effects.push_back(effect::CloseDevice{device});
   tickets_.erase(member.ticket);
   members_.erase(found);
+  return member;
+}
+
+// ---- away for a while -------------------------------------------------------------------------
+
+void SessionState::SetAway(const DeviceId& device, Step& step) {
+  RoomMember member = Unseat(device, step);
+  member.pose.reset();
+  member.pose_is_new = false;
+  rooms_.at(member.room).away.insert(device);
+  away_.insert_or_assign(device, AwayMember{std::move(member), step.now});
+}
+
+std::optional<RoomMember> SessionState::TakeAway(const DeviceId& device) {
+  const auto found = away_.find(device);
+  if (found == away_.end()) return std::nullopt;
+  RoomMember member = std::move(found->second.member);
+  away_.erase(found);
+  rooms_.at(member.room).away.erase(device);
+  return member;
+}
+
+void SessionState::RemoveSilent(Step& step) {
+  std::vector<DeviceId> silent;
+  for (const auto& [device, member] : members_) {
+    if (step.now - member.last_heard > options_.presence_timeout) silent.push_back(device);
+  }
+  for (const DeviceId& device : silent) SetAway(device, step);
+}
+
+void SessionState::ForgetAbsent(Step& step) {
+  for (auto away = away_.begin(); away != away_.end();) {
+    if (step.now - away->second.since <= options_.return_within) {
+      ++away;
+      continue;
+    }
+    Room& room = rooms_.at(away->second.member.room);
+    room.away.erase(away->first);
+    room.last_used = step.now;
+    away = away_.erase(away);
+  }
+  std::erase_if(bans_, [&](const auto& ban) { return ban.second.until <= step.now; });
+}
+
+RoomMember* SessionState::FindKnown(const DeviceId& device) {
+  if (const auto member = members_.find(device); member != members_.end()) return &member->second;
+  const auto away = away_.find(device);
+  return away == away_.end() ? nullptr : &away->second.member;
 }
 
 }  // namespace waymark::session

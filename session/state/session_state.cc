@@ -46,12 +46,14 @@ void SessionState::On(const event::Heard& event, Step& step) {
 
 void SessionState::On(const event::PoseReceived& event, Step& step) {
   RoomMember* const member = FindHeard(event.report.ticket, step.now);
-  if (member == nullptr) return;
+  if (member == nullptr || !MaySharePose(member->role())) return;
   const LivePose& pose = event.report.pose;
   const bool is_plausible = pose.epoch == map_.epoch &&
                             pose.time <= step.now + options_.max_clock_error &&
                             pose.time >= step.now - options_.max_clock_error;
-  const bool is_newer = !member->pose || pose.time > member->pose->time;
+  // A pose from the future of a clock that was set back since does not hide later ones.
+  const bool is_newer = !member->pose || pose.time > member->pose->time ||
+                        member->pose->time > step.now + options_.max_clock_error;
   if (!is_plausible || !is_newer) return;
   member->pose = pose;
   member->pose_is_new = true;
@@ -60,22 +62,16 @@ void SessionState::On(const event::PoseReceived& event, Step& step) {
 void SessionState::On(const event::Ticked&, Step& step) {
   ++tick_;
   RemoveSilent(step);
+  EndPermits(step);
+  ForgetAbsent(step);
   CloseIdleRooms(step);
   for (const auto& [id, room] : rooms_) PublishPoses(id, room, step);
-}
-
-void SessionState::RemoveSilent(Step& step) {
-  std::vector<DeviceId> silent;
-  for (const auto& [device, member] : members_) {
-    if (step.now - member.last_heard > options_.presence_timeout) silent.push_back(device);
-  }
-  for (const DeviceId& device : silent) Remove(device, step);
 }
 
 void SessionState::CloseIdleRooms(Step& step) {
   for (auto room = rooms_.begin(); room != rooms_.end();) {
     const bool is_idle = room->second.is_open && room->second.members.empty() &&
-                         room->second.writes_under_way == 0 &&
+                         room->second.away.empty() && room->second.writes_under_way == 0 &&
                          step.now - room->second.last_used > options_.room_idle;
     if (is_idle) step.effects.push_back(effect::CloseRoom{room->first});
     room = is_idle ? rooms_.erase(room) : std::next(room);

@@ -3,6 +3,9 @@
 
 #include <chrono>
 #include <map>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "session/state/anchor_rules.h"
@@ -11,16 +14,24 @@
 
 namespace waymark::session {
 
+/// Who may be the first in a room.
+enum class RoomOpening : std::uint8_t { kEveryone, kModerators };
+
 struct StateOptions {
   std::chrono::nanoseconds presence_timeout = std::chrono::seconds(3);  ///< silence that is absence
+  /// Whoever was lost and not said goodbye is itself again, not a newcomer, when it returns within
+  /// this time; its seat is kept. Beyond presence_timeout it is gone for the others meanwhile.
+  std::chrono::nanoseconds return_within = std::chrono::seconds(60);
+  std::chrono::nanoseconds ban = std::chrono::minutes(10);        ///< of a device that was removed
   std::chrono::nanoseconds room_idle = std::chrono::seconds(60);  ///< an empty room is kept so long
   std::chrono::nanoseconds pose_repeat = std::chrono::milliseconds(500);  ///< of who stands still
   std::chrono::nanoseconds max_clock_error = std::chrono::seconds(10);    ///< of a pose's time
   std::size_t max_rooms = 64;
-  std::size_t max_members = 1024;          ///< of a room
+  std::size_t max_members = 1024;          ///< of a room; moderators may set less
   std::size_t max_anchors = 20'000;        ///< of a room
   std::size_t max_writes_per_device = 32;  ///< waiting for the store
   AnchorRights rights = AnchorRights::kEveryone;
+  RoomOpening opening = RoomOpening::kEveryone;
 
   Result<void> Validate() const;
 };
@@ -40,6 +51,7 @@ class SessionState {
   /// Who holds the ticket.
   const RoomMember* FindMember(Ticket ticket) const;
   std::size_t MemberCount() const { return members_.size(); }
+  std::size_t AwayCount() const { return away_.size(); }
   std::size_t RoomCount() const { return rooms_.size(); }
 
  private:
@@ -66,12 +78,30 @@ class SessionState {
   void On(const event::Localised& event, Step& step);
   void On(const event::ReleaseSwapped& event, Step& step);
   void On(const event::Ticked& event, Step& step);
+  void On(const event::PermitsRevoked& event, Step& step);
+  void On(const event::RoomCommandReceived& event, Step& step);
 
+  std::optional<std::string> FindObjection(const event::HelloReceived& event, ServerTime now) const;
+  std::optional<std::string> FindBan(const event::HelloReceived& event, ServerTime now) const;
+  void Renew(RoomMember& member, const event::HelloReceived& event, Step& step);
+  void OpenFor(const event::HelloReceived& event, Step& step);
   void Admit(const event::HelloReceived& event, Step& step);
-  void Greet(const RoomMember& member, std::uint32_t attempt, Step& step);
+  void Seat(RoomMember member, bool is_return, Step& step);
+  void Greet(const RoomMember& member, bool is_return, Step& step);
+  void Announce(const RoomMember& member, Step& step);
   void Refuse(const Hello& hello, JoinVerdict verdict, const std::string& reason, Step& step);
-  void Remove(const DeviceId& device, Step& step);
+  RoomMember Unseat(const DeviceId& device, Step& step);
+  void Remove(const DeviceId& device, Step& step) { (void)Unseat(device, step); }
+  void SetAway(const DeviceId& device, Step& step);
+  std::optional<RoomMember> TakeAway(const DeviceId& device);
+  void SendAway(const DeviceId& device, const std::string& reason, Step& step);
+  CommandVerdict Moderate(const RoomCommand& command, RoomMember& member, Step& step);
+  CommandVerdict RemoveByModerator(const RoomCommand& command, const RoomMember& moderator,
+                                   Step& step);
   void RemoveSilent(Step& step);
+  void EndPermits(Step& step);
+  void ForgetAbsent(Step& step);
+  RoomMember* FindKnown(const DeviceId& device);
   void CloseIdleRooms(Step& step);
   void PublishPoses(const RoomId& id, const Room& room, Step& step);
   void PublishState(const RoomId& id, const Room& room, Step& step);
@@ -97,6 +127,13 @@ class SessionState {
   std::uint32_t swaps_ = 0;
   std::map<RoomId, Room> rooms_;
   std::map<DeviceId, RoomMember> members_;
+  struct AwayMember {
+    RoomMember member;
+    ServerTime since;
+  };
+
+  std::map<DeviceId, AwayMember> away_;
+  std::map<std::pair<RoomId, DeviceId>, Ban> bans_;
   std::map<Ticket, DeviceId> tickets_;
   std::map<WriteNumber, PendingWrite> writes_;
   std::uint32_t next_number_ = 1;

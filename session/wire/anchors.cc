@@ -141,7 +141,7 @@ waymark_CommandReply Encode(const CommandReply& reply, Scratch& scratch) {
 
 Result<CommandReply> Decode(const waymark_CommandReply& wire) {
   WAYMARK_TRY_ASSIGN(const CommandOutcome outcome,
-                     DecodeEnum(wire.outcome, CommandOutcome::kUnavailable, "outcome"));
+                     DecodeEnum(wire.outcome, CommandOutcome::kForbidden, "outcome"));
   CommandReply reply{.device = GetId<DeviceId>(wire.device),
                      .request = GetUuid(wire.request),
                      .outcome = outcome,

@@ -12,17 +12,20 @@ struct UpWriters {
   dds::Writer queries;
   dds::Writer commands;
   dds::Writer pings;
+  dds::Writer room_commands;
 };
 
-Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& room) {
-  const std::string partition = UpPartition(room);
+Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& room,
+                                const DeviceId& device) {
+  const std::string partition = UpPartition(room, device);
   WAYMARK_TRY_ASSIGN(auto hello, MakeWriter<Hello>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseReport>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto queries, MakeWriter<LocaliseQuery>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto commands, MakeWriter<AnchorCommand>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pings, MakeWriter<ClockPing>(participant, partition));
-  return UpWriters{std::move(hello), std::move(poses), std::move(queries), std::move(commands),
-                   std::move(pings)};
+  WAYMARK_TRY_ASSIGN(auto room_commands, MakeWriter<RoomCommand>(participant, partition));
+  return UpWriters{std::move(hello),    std::move(poses), std::move(queries),
+                   std::move(commands), std::move(pings), std::move(room_commands)};
 }
 
 }  // namespace
@@ -47,7 +50,7 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
                                                      const RoomId& room, const DeviceId& device,
                                                      Handler handler) {
   WAYMARK_TRY(CheckIdentity(room, device));
-  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room));
+  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
   WAYMARK_TRY(readers.ListenToOwn(room, device, handler));
@@ -66,6 +69,7 @@ Result<void> DeviceBus::Send(Upward message) {
     Result<void> operator()(const LocaliseQuery& m) { return Write(impl.writers.queries, m); }
     Result<void> operator()(const AnchorCommand& m) { return Write(impl.writers.commands, m); }
     Result<void> operator()(const ClockPing& m) { return Write(impl.writers.pings, m); }
+    Result<void> operator()(const RoomCommand& m) { return Write(impl.writers.room_commands, m); }
     Result<void> operator()(const Farewell& m) {
       waymark_Hello key{};
       SetId(key.device, m.device);

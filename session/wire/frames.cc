@@ -28,6 +28,8 @@ inline constexpr std::uint8_t kKind<AnchorCommand> = 4;
 template <>
 inline constexpr std::uint8_t kKind<ClockPing> = 5;
 template <>
+inline constexpr std::uint8_t kKind<RoomCommand> = 8;
+template <>
 inline constexpr std::uint8_t kKind<Welcome> = 17;
 template <>
 inline constexpr std::uint8_t kKind<Presence> = 18;
@@ -144,6 +146,7 @@ Result<Upward> DecodeUpward(std::span<const std::uint8_t> frame) {
       .Try<LocaliseQuery>()
       .Try<AnchorCommand>()
       .Try<ClockPing>()
+      .Try<RoomCommand>()
       .Take();
 }
 

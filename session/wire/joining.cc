@@ -10,6 +10,7 @@ waymark_Hello Encode(const Hello& hello, Scratch&) {
   wire.attempt = hello.attempt;
   SetText(wire.room, hello.room.text());
   SetText(wire.name, hello.name);
+  SetText(wire.token, hello.token);
   return wire;
 }
 
@@ -20,7 +21,8 @@ Result<Hello> Decode(const waymark_Hello& wire) {
               .protocol = wire.protocol,
               .attempt = wire.attempt,
               .room = RoomId(GetText(wire.room)),
-              .name = GetText(wire.name)};
+              .name = GetText(wire.name),
+              .token = GetText(wire.token)};
   WAYMARK_TRY(CheckName(hello.room.text(), "room"));
   WAYMARK_TRY(CheckText(hello.name, kMaxNameBytes, "device name"));
   return hello;
@@ -40,12 +42,15 @@ waymark_Welcome Encode(const Welcome& welcome, Scratch&) {
   wire.origin = EncodeGeo(welcome.map.origin);
   wire.epoch = welcome.map.epoch;
   wire.session_time_ns = ToNanoseconds(welcome.session_time);
+  wire.role = static_cast<waymark_Role>(welcome.role);
+  wire.is_return = welcome.is_return;
   return wire;
 }
 
 Result<Welcome> Decode(const waymark_Welcome& wire) {
   WAYMARK_TRY_ASSIGN(const JoinVerdict verdict,
-                     DecodeEnum(wire.verdict, JoinVerdict::kUnavailable, "verdict"));
+                     DecodeEnum(wire.verdict, JoinVerdict::kRemoved, "verdict"));
+  WAYMARK_TRY_ASSIGN(const Role role, DecodeEnum(wire.role, Role::kModerator, "role"));
   WAYMARK_TRY_ASSIGN(const GeoPoint origin, DecodeGeo(wire.origin, "map origin"));
   return Welcome{.device = GetId<DeviceId>(wire.device),
                  .attempt = wire.attempt,
@@ -58,7 +63,9 @@ Result<Welcome> Decode(const waymark_Welcome& wire) {
                          .is_geo_aligned = wire.is_geo_aligned,
                          .origin = origin,
                          .epoch = wire.epoch},
-                 .session_time = FromNanoseconds<ServerTime>(wire.session_time_ns)};
+                 .session_time = FromNanoseconds<ServerTime>(wire.session_time_ns),
+                 .role = role,
+                 .is_return = wire.is_return};
 }
 
 waymark_Presence Encode(const Presence& presence, Scratch&) {
@@ -67,16 +74,43 @@ waymark_Presence Encode(const Presence& presence, Scratch&) {
   wire.number = static_cast<std::uint32_t>(presence.number);
   SetText(wire.name, presence.name);
   wire.run = static_cast<std::uint64_t>(presence.run);
+  wire.role = static_cast<waymark_Role>(presence.role);
   return wire;
 }
 
 Result<Presence> Decode(const waymark_Presence& wire) {
+  WAYMARK_TRY_ASSIGN(const Role role, DecodeEnum(wire.role, Role::kModerator, "role"));
   Presence presence{.device = GetId<DeviceId>(wire.device),
                     .number = DeviceNumber{wire.number},
                     .name = GetText(wire.name),
-                    .run = RunId{wire.run}};
+                    .run = RunId{wire.run},
+                    .role = role};
   WAYMARK_TRY(CheckText(presence.name, kMaxNameBytes, "device name"));
   return presence;
+}
+
+waymark_RoomCommand Encode(const RoomCommand& command, Scratch&) {
+  waymark_RoomCommand wire{};
+  wire.ticket = static_cast<std::uint64_t>(command.ticket);
+  SetUuid(wire.request, command.request);
+  wire.operation = static_cast<waymark_RoomOperation>(command.operation);
+  SetId(wire.device, command.device);
+  wire.capacity = command.capacity;
+  SetText(wire.reason, command.reason);
+  return wire;
+}
+
+Result<RoomCommand> Decode(const waymark_RoomCommand& wire) {
+  WAYMARK_TRY_ASSIGN(const RoomOperation operation,
+                     DecodeEnum(wire.operation, RoomOperation::kSetCapacity, "room operation"));
+  RoomCommand command{.ticket = Ticket{wire.ticket},
+                      .request = GetUuid(wire.request),
+                      .operation = operation,
+                      .device = GetId<DeviceId>(wire.device),
+                      .capacity = wire.capacity,
+                      .reason = GetText(wire.reason)};
+  WAYMARK_TRY(CheckText(command.reason, kMaxReasonBytes, "reason"));
+  return command;
 }
 
 waymark_ClockPing Encode(const ClockPing& ping, Scratch&) {

@@ -25,7 +25,7 @@ waymark_Hello KeyOf(const DeviceId& device) {
 struct RoomLine::Impl {
   std::shared_ptr<dds::Participant> participant;
   RoomId room;
-  dds::Writer hello, queries, commands;
+  dds::Writer hello, queries, commands, room_commands;
   Readers readers;
 };
 
@@ -36,12 +36,14 @@ Result<std::unique_ptr<RoomLine>> RoomLine::Create(std::shared_ptr<dds::Particip
                                                    const RoomId& room, Handler handler,
                                                    std::function<void()> on_lost) {
   WAYMARK_TRY(CheckName(room.text(), "room"));
-  const std::string partition = UpPartition(room);
+  const std::string partition = GatewayUpPartition(room);
   WAYMARK_TRY_ASSIGN(auto hello, MakeWriter<Hello>(*participant, partition));
   WAYMARK_TRY_ASSIGN(auto queries, MakeWriter<LocaliseQuery>(*participant, partition));
   WAYMARK_TRY_ASSIGN(auto commands, MakeWriter<AnchorCommand>(*participant, partition));
+  WAYMARK_TRY_ASSIGN(auto room_commands, MakeWriter<RoomCommand>(*participant, partition));
   std::unique_ptr<Impl> impl(new Impl{participant, room, std::move(hello), std::move(queries),
-                                      std::move(commands), Readers(participant)});
+                                      std::move(commands), std::move(room_commands),
+                                      Readers(participant)});
   WAYMARK_TRY(impl->readers.ListenToRoom(room, handler, on_lost));
   WAYMARK_TRY(impl->readers.Listen<PoseBatch>(DownPartition(room), handler));
   return std::unique_ptr<RoomLine>(new RoomLine(std::move(impl)));
@@ -54,6 +56,7 @@ Result<void> RoomLine::Send(const Upward& message) {
     Result<void> operator()(const Hello& m) { return Write(impl.hello, m); }
     Result<void> operator()(const LocaliseQuery& m) { return Write(impl.queries, m); }
     Result<void> operator()(const AnchorCommand& m) { return Write(impl.commands, m); }
+    Result<void> operator()(const RoomCommand& m) { return Write(impl.room_commands, m); }
     Result<void> operator()(const Farewell& m) {
       const waymark_Hello key = KeyOf(m.device);
       return impl.hello.Dispose(&key);

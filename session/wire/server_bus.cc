@@ -69,16 +69,46 @@ struct ServerBus::Impl {
     return {};
   }
 
+  /// Only what comes from the device's own partition of its room, or from a gateway's, is the
+  /// device's word.
   Result<void> ListenForHello(const Handler& handler) {
-    WAYMARK_TRY_ASSIGN(dds::Reader reader,
-                       MakeReader<Hello>(
-                           participant, AnyUpPartition(), rejected,
-                           [handler](Hello hello) { handler(Upward(std::move(hello))); },
-                           [handler](dds::Arrival, const waymark_Hello& key) {
-                             handler(Upward(Farewell{GetId<DeviceId>(key.device)}));
-                           }));
+    const dds::Topic topic = TopicOf<Hello>();
+    WAYMARK_TRY_ASSIGN(
+        dds::Reader reader,
+        dds::Reader::Create(
+            participant, topic, AnyUpPartition(),
+            [this, handler](dds::Arrival arrival, const void* sample, const dds::Source& source) {
+              const auto& wire = *static_cast<const waymark_Hello*>(sample);
+              Result<Upward> word = HearHello(arrival, wire, source);
+              if (word.ok()) return handler(*std::move(word));
+              if (rejected++ == 0) LogWarning("hello: {}", ToString(word.error()));
+            }));
     readers.push_back(std::move(reader));
     return {};
+  }
+
+  static Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
+                                  const dds::Source& source) {
+    const auto device = GetId<DeviceId>(wire.device);
+    if (arrival == dds::Arrival::kLost) return Upward(Farewell{device, true});
+    const std::string partition = source.Partition();
+    if (arrival == dds::Arrival::kDisposed) {
+      const bool is_its_own =
+          partition.ends_with(".up." + device.text()) || partition.ends_with(".up.gateway");
+      if (is_its_own) return Upward(Farewell{device});
+      return NotItsOwn(device);
+    }
+    WAYMARK_TRY_ASSIGN(Hello hello, Decode(wire));
+    const bool is_its_own =
+        partition == UpPartition(hello.room, device) || partition == GatewayUpPartition(hello.room);
+    if (!is_its_own) return NotItsOwn(device);
+    return Upward(std::move(hello));
+  }
+
+  static Error NotItsOwn(const DeviceId& device) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "device {}: somebody else speaks for it, in another room or in its name",
+                     device.text());
   }
 
   template <typename Message>
@@ -117,6 +147,7 @@ Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptio
   WAYMARK_TRY(impl->Listen<AnchorCommand>(handler));
   WAYMARK_TRY(impl->Listen<ClockPing>(handler));
   WAYMARK_TRY(impl->Listen<GatewayReport>(kGatewaysUp, std::move(gateway_handler)));
+  WAYMARK_TRY(impl->Listen<RoomCommand>(handler));
   return std::unique_ptr<ServerBus>(new ServerBus(std::move(impl)));
 }
 

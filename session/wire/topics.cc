@@ -14,6 +14,11 @@ Topic TopicOf<Hello>() {
   return {"waymark/1/hello", &waymark_Hello_desc, Delivery::kReliable, History::kNone, 1};
 }
 template <>
+Topic TopicOf<RoomCommand>() {
+  return {"waymark/1/room_command", &waymark_RoomCommand_desc, Delivery::kReliable, History::kNone,
+          8};
+}
+template <>
 Topic TopicOf<Welcome>() {
   return {"waymark/1/welcome", &waymark_Welcome_desc, Delivery::kReliable, History::kForLateJoiners,
           1};

@@ -11,10 +11,12 @@ namespace waymark::session::wire {
 /// A device said goodbye, or its process is gone from the network.
 struct Farewell {
   DeviceId device;
+  bool is_lost = false;
 };
 
 /// Anything a device may say.
-using Upward = std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing>;
+using Upward =
+    std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing, RoomCommand>;
 
 /// Another device left, or was lost.
 struct DeviceGone {

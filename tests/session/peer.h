@@ -50,6 +50,16 @@ class Peer {
   /// The line it printed when it was there; empty if it never was.
   const std::string& line() const { return line_; }
 
+  /// Halts it, as a phone does with an app that is not looked at, and has it go on.
+  void Pause() { ::kill(pid_, SIGSTOP); }
+  void Continue() { ::kill(pid_, SIGCONT); }
+  /// Says a line to it and reads what it answers.
+  std::string Ask(const std::string& line) {
+    const std::string text = line + "\n";
+    if (::write(input_, text.data(), text.size()) < 0) return "";
+    return ReadLine();
+  }
+
   /// Ends it without any warning.
   void Kill() {
     if (pid_ <= 0) return;

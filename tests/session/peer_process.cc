@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A device or a server in a process of its own, to be killed.
-//   session_peer device DOMAIN NAME          joins the room "square"
+//   session_peer device DOMAIN NAME          joins the room "square"; any line it reads, it answers
+//                                            with how often it came back as itself
 //   session_peer server DOMAIN STORE         serves a map of one submap
 // Prints one line when it is there, and ends when its standard input does.
 #include <fmt/format.h>
 
 #include <cstdlib>
+#include <functional>
 #include <iostream>
 #include <string>
 
@@ -15,11 +17,14 @@ namespace waymark::session {
 namespace {
 
 template <typename T>
-int Stay(const Result<T>& started, const std::string& line) {
+int Stay(const Result<T>& started, const std::string& line,
+         const std::function<std::string()>& answer = nullptr) {
   fmt::print("{}\n", started.ok() ? line : ToString(started.error()));
   std::fflush(stdout);
   if (!started.ok()) return 1;
   for (std::string input; std::getline(std::cin, input);) {
+    fmt::print("{}\n", answer ? answer() : "");
+    std::fflush(stdout);
   }
   return 0;
 }
@@ -29,7 +34,8 @@ int RunDevice(int domain, const std::string& name) {
                                             .room = RoomId("square"),
                                             .name = name,
                                             .request_timeout = std::chrono::seconds(30)});
-  return Stay(session, session.ok() ? (*session)->id().text() : "");
+  return Stay(session, session.ok() ? (*session)->id().text() : "",
+              [&] { return fmt::format("returns={}", (*session)->Standing().returns); });
 }
 
 int RunServer(int domain, const std::string& store_path) {

@@ -79,6 +79,20 @@ TEST_F(SessionFailure, AKilledDeviceIsGoneWithinTheLease) {
                  static_cast<int>(1e3 * Seconds(std::chrono::steady_clock::now() - killed)));
 }
 
+// An app that the phone halts for longer than the lease, and lets go on.
+TEST_F(SessionFailure, APausedDeviceComesBackAsItself) {
+  StartServer();
+  const auto anna = Join("Anna");
+  support::Peer ben({"device", std::to_string(domain_), "Ben"});
+  const DeviceId ben_id(ben.line());
+  ASSERT_TRUE(Eventually([&] { return Sees(*anna, ben_id); })) << ben.line();
+  ben.Pause();
+  EXPECT_TRUE(Eventually([&] { return !Sees(*anna, ben_id); }));
+  ben.Continue();
+  EXPECT_TRUE(Eventually([&] { return Sees(*anna, ben_id); }));
+  EXPECT_TRUE(Eventually([&] { return ben.Ask("?") == "returns=1"; }));
+}
+
 TEST_F(SessionFailure, AKilledServerLosesNothingThatItAcknowledged) {
   StartServer();  // finds a free domain
   StopServer();

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -17,6 +18,7 @@
 #include "mapping/geometry/geodesy.h"
 #include "session/device/device_session.h"
 #include "session/gateway/gateway.h"
+#include "session/keys/authority.h"
 #include "session/server/server.h"
 #include "tests/session/standing_phone.h"
 #include "tests/support/temporary_root.h"
@@ -117,7 +119,31 @@ class SessionTest : public testing::Test {
   ServerParts MakeParts(const mapping::Release& release = MakeRelease()) const {
     auto store = content::OpenSqliteStore(StorePath());
     EXPECT_TRUE(store.ok());
-    return support::MakeParts(release, *std::move(store));
+    ServerParts parts = support::MakeParts(release, *std::move(store));
+    if (authority_) parts.door = OpenDoor();
+    return parts;
+  }
+
+  /// From now on servers and gateways ask for tokens.
+  void AskForTokens() {
+    auto authority = keys::Authority::Create(folder_ / "keys");
+    ASSERT_TRUE(authority.ok()) << ToString(authority.error());
+    authority_.emplace(*std::move(authority));
+  }
+  std::unique_ptr<keys::TokenDoor> OpenDoor() const {
+    auto door = keys::TokenDoor::Open({.folder = authority_->folder()});
+    EXPECT_TRUE(door.ok());
+    return *std::move(door);
+  }
+  /// Good for an hour.
+  keys::Authority::Issued IssueToken(Role role, const std::string& room = "square") const {
+    const auto now = std::chrono::floor<seconds>(std::chrono::system_clock::now());
+    const auto issued = authority_->IssueToken({.room = RoomId(room),
+                                                .role = role,
+                                                .issued = now,
+                                                .expires = now + std::chrono::hours(1)});
+    EXPECT_TRUE(issued.ok());
+    return *issued;
   }
 
   /// Starts a server; the first time on a domain whose ports are free.
@@ -131,7 +157,8 @@ class SessionTest : public testing::Test {
   void StartGateway(std::uint16_t port = 0) {
     auto gateway = Gateway::Start(
         {.listen = {.port = port},
-         .dds = {.domain = domain_, .transmit_loss_per_mille = device_loss_per_mille_}});
+         .dds = {.domain = domain_, .transmit_loss_per_mille = device_loss_per_mille_},
+         .door = authority_ ? std::shared_ptr(OpenDoor()) : nullptr});
     ASSERT_TRUE(gateway.ok()) << ToString(gateway.error());
     gateway_ = *std::move(gateway);
   }
@@ -167,6 +194,7 @@ class SessionTest : public testing::Test {
   ServerOptions options_;
   int domain_ = -1;
   int device_loss_per_mille_ = 0;
+  std::optional<keys::Authority> authority_;
   std::unique_ptr<Server> server_;
   std::unique_ptr<Gateway> gateway_;
 };

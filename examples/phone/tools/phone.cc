@@ -21,6 +21,7 @@ struct Flags {
   std::string out;
   session::DeviceOptions device;
   std::string room = "lobby";
+  std::string id;
   double keyframe_interval_s = 1;
   phone::ReplayOptions replay;
   double anchor_distance_m = 3;
@@ -29,6 +30,7 @@ struct Flags {
 Result<void> Run(Flags flags) {
   WAYMARK_TRY_ASSIGN(const phone::Walk walk, phone::LoadWalk(flags.walk));
   flags.device.room = RoomId(flags.room);
+  if (!flags.id.empty()) flags.device.id = DeviceId(flags.id);
   flags.device.keyframe_interval = std::chrono::duration<double>(flags.keyframe_interval_s);
   // The anchor goes straight ahead of the camera, upright in its image.
   const Transform<Camera, Anchor> camera_from_anchor(Eigen::Quaterniond::Identity(),
@@ -65,6 +67,12 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(0, 230));
   app.add_option("--room", flags.room, "room to join")->capture_default_str();
+  app.add_option(
+         "--security", flags.device.security_folder,
+         "folder of `waymark-keys issue KEYS device UUID`, for DDS that is secured; with --id")
+      ->needs(app.add_option("--id", flags.id, "UUID to join as; a new one without it"));
+  app.add_option("--token", flags.device.token, "lets it into the room; from waymark-keys token")
+      ->envname("WAYMARK_TOKEN");
   app.add_option("--name", flags.device.name, "name shown to others")->capture_default_str();
   app.add_option("--keyframe-interval", flags.keyframe_interval_s, "seconds between keyframes")
       ->capture_default_str();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "session/device/device_session.h"
@@ -25,7 +26,7 @@ class JoinDesk {
   explicit JoinDesk(std::uint32_t first_attempt)
       : first_attempt_(first_attempt), attempt_(first_attempt) {}
 
-  enum class Outcome { kIgnored, kJoined, kRefused };
+  enum class Outcome { kIgnored, kJoined, kRefused, kRemoved };
 
   /// The way to the server is a new one: joins again, at once.
   void Restart(Instant now);
@@ -45,12 +46,15 @@ class JoinDesk {
   /// The latest acceptance; absent before the first.
   const std::optional<Welcome>& welcome() const { return welcome_; }
   bool IsConnected() const { return is_connected_; }
+  /// The server sent it away: it says nothing more.
+  bool IsOver() const { return is_over_; }
 
  private:
   std::uint32_t first_attempt_;
   std::uint32_t attempt_;
   bool is_connected_ = false;
   bool is_long_silent_ = false;
+  bool is_over_ = false;
   std::optional<Welcome> welcome_;
   Instant next_hello_ = Instant::min();
   Instant next_ping_ = kNever;
@@ -105,12 +109,18 @@ class ImageDesk {
   std::uint32_t next_request_ = 1;
 };
 
+using Command = std::variant<AnchorCommand, RoomCommand>;
+
+Uuid MakeUuid();
+/// What a refused command is to the application.
+Error ToError(const CommandReply& reply);
+
 /// Commands are repeated until they are answered.
 class CommandDesk {
  public:
-  void Add(const AnchorCommand& command, Instant now);
+  void Add(const Command& command, Instant now);
   /// Those to be sent now; counted as sent.
-  std::vector<AnchorCommand> TakeDue(Instant now);
+  std::vector<Command> TakeDue(Instant now);
   Instant NextDeadline() const;
 
   /// False: nobody waits for it.
@@ -125,7 +135,7 @@ class CommandDesk {
 
  private:
   struct Entry {
-    AnchorCommand command;
+    Command command;
     Instant next;
     int sent = 0;
     std::string last_refusal;

@@ -43,6 +43,10 @@ class LiveSession final : public DeviceSession {
   Result<void> DeleteAnchor(const SharedAnchor& anchor) override;
   std::vector<SharedAnchor> Anchors() const override;
   bool HasSnapshot() const override;
+  RoomStanding Standing() const override;
+  Result<void> Kick(const DeviceId& device, const std::string& reason) override;
+  Result<void> Readmit(const DeviceId& device) override;
+  Result<void> SetCapacity(int devices) override;
   DeviceStatistics Statistics() const override;
   void Leave() override;
 
@@ -75,6 +79,10 @@ class LiveSession final : public DeviceSession {
   std::optional<localiser::LocalisedPose> InLiveMap(const LocaliseAnswer& answer) const;
   LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
   Result<CommandReply> Perform(AnchorCommand command);
+  Result<void> Perform(RoomCommand command);
+  /// Sends, repeats and waits; `about` names it in errors. `sent` counts.
+  Result<CommandReply> Await(const Command& command, const std::string& about, int& sent);
+  Error NotIn() const;                          // with mutex_ held
   DevicePose CurrentPose() const;               // with mutex_ held
   ServerTime SessionNow() const;                // with mutex_ held
   DeviceTime ToSteady(DeviceTime stamp) const;  // with mutex_ held
@@ -99,6 +107,7 @@ class LiveSession final : public DeviceSession {
   std::uint32_t last_swap_ = 0;  // of the present run
   Placements placements_;        // of the live release, as told with its swap
   DeviceStatistics statistics_;
+  RoomStanding standing_;
   std::optional<Welcome> refusal_;
   std::uint32_t next_ping_number_ = 0;
   DeviceTime last_report_;

@@ -9,6 +9,8 @@ namespace waymark::session::wire {
 
 waymark_Hello Encode(const Hello& hello, Scratch& scratch);
 Result<Hello> Decode(const waymark_Hello& wire);
+waymark_RoomCommand Encode(const RoomCommand& command, Scratch& scratch);
+Result<RoomCommand> Decode(const waymark_RoomCommand& wire);
 waymark_Welcome Encode(const Welcome& welcome, Scratch& scratch);
 Result<Welcome> Decode(const waymark_Welcome& wire);
 waymark_Presence Encode(const Presence& presence, Scratch& scratch);

@@ -32,7 +32,7 @@ template <>
 struct Layout<waymark_Hello> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
-    archive(m.device, m.protocol, m.attempt, m.room, m.name);
+    archive(m.device, m.protocol, m.attempt, m.room, m.name, m.token);
   }
 };
 
@@ -41,14 +41,22 @@ struct Layout<waymark_Welcome> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.device, m.attempt, m.verdict, m.reason, m.run, m.ticket, m.number, m.map_uuid,
-            m.is_geo_aligned, m.origin, m.epoch, m.session_time_ns);
+            m.is_geo_aligned, m.origin, m.epoch, m.session_time_ns, m.role, m.is_return);
   }
 };
 
 template <>
 struct Layout<waymark_Presence> {
   static constexpr bool kAppendable = true;
-  static void Visit(auto& archive, auto& m) { archive(m.device, m.number, m.name, m.run); }
+  static void Visit(auto& archive, auto& m) { archive(m.device, m.number, m.name, m.run, m.role); }
+};
+
+template <>
+struct Layout<waymark_RoomCommand> {
+  static constexpr bool kAppendable = true;
+  static void Visit(auto& archive, auto& m) {
+    archive(m.ticket, m.request, m.operation, m.device, m.capacity, m.reason);
+  }
 };
 
 template <>

@@ -15,8 +15,15 @@ template <typename Message>
 dds::Topic TopicOf();
 
 // One prefix per room, so that a permission can be given for a room.
-inline std::string UpPartition(const RoomId& room) { return "room." + room.text() + ".up"; }
-inline std::string AnyUpPartition() { return "room.*.up"; }
+// A device writes where no other may, so that where a Hello comes from says whose it is.
+inline std::string UpPartition(const RoomId& room, const DeviceId& device) {
+  return "room." + room.text() + ".up." + device.text();
+}
+/// Where a gateway speaks for all of its phones in a room.
+inline std::string GatewayUpPartition(const RoomId& room) {
+  return "room." + room.text() + ".up.gateway";
+}
+inline std::string AnyUpPartition() { return "room.*.up.*"; }
 inline std::string DownPartition(const RoomId& room) { return "room." + room.text() + ".down"; }
 inline std::string DevicePartition(const RoomId& room, const DeviceId& device) {
   return "room." + room.text() + ".device." + device.text();
@@ -46,7 +53,7 @@ Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string&
   return dds::Reader::Create(
       participant, topic, partition,
       [&rejected, name = topic.name, on_message = std::move(on_message),
-       on_end = std::move(on_end)](dds::Arrival arrival, const void* sample) {
+       on_end = std::move(on_end)](dds::Arrival arrival, const void* sample, const dds::Source&) {
         const auto& wire = *static_cast<const WireOf<Message>*>(sample);
         if (arrival != dds::Arrival::kSample) return on_end(arrival, wire);
         Result<Message> message = Decode(wire);

@@ -206,12 +206,12 @@ Result<void> Run(const Flags& flags) {
   WAYMARK_TRY_ASSIGN(const auto walk, LoadWalk(flags.drive, place.asked));
   const evaluation::ScratchFolder folder(false);
   const fs::path programs = evaluation::ExecutableFolder();
-  WAYMARK_TRY_ASSIGN(
-      const auto star,
-      Star::Start(folder.path(),
-                  {(programs / "waymark-serve").string(), "--map", place.map.string(), "--store",
-                   (folder.path() / "anchors.db").string(), "--address", Star::kAddress},
-                  (programs / "waymark-gateway").string()));
+  WAYMARK_TRY_ASSIGN(const auto star, Star::Start(folder.path(),
+                                                  {(programs / "waymark-serve").string(), "--map",
+                                                   place.map.string(), "--store",
+                                                   (folder.path() / "anchors.db").string(),
+                                                   "--address", Star::kAddress, "--insecure"},
+                                                  (programs / "waymark-gateway").string()));
   fmt::print("{}, {}; ms: median, 95th percentile. Published: 970 ms on 4G, 1,700 ms on 3G\n",
              flags.is_direct ? "over DDS" : "over WSS through the gateway",
              flags.is_as_taken ? "images as taken" : "images as the network allows");

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include "session/server/server.h"
+
+namespace waymark::session {
+
+dds::ParticipantOptions ServerOptions::BusOptions() const {
+  return {.role = dds::ParticipantOptions::Role::kServer,
+          .domain = dds_domain,
+          .server = address,
+          .security_folder = security_folder,
+          .transmit_loss_per_mille = transmit_loss_per_mille};
+}
+
+Result<void> ServerOptions::Validate() const {
+  if (!(tick_hz >= 1 && tick_hz <= 240)) {
+    return MakeError(ErrorCode::kInvalidArgument, "tick: expected [1, 240] Hz, found {}", tick_hz);
+  }
+  WAYMARK_TRY(localise.Validate());
+  WAYMARK_TRY(state.Validate());
+  WAYMARK_TRY(relay.Validate());
+  return BusOptions().Validate();
+}
+
+std::string ToString(const ServerCounters& counters) {
+  return fmt::format(
+      "{} joins, {} refused, {} removed, {} departures, {} poses, {} pose batches, {} images ({} "
+      "localised, {} busy), {} "
+      "anchor commands ({} written), {} releases swapped, {} messages rejected, {} dropped",
+      counters.joins, counters.refusals, counters.removals, counters.departures, counters.poses,
+      counters.pose_batches, counters.images, counters.localised, counters.busy,
+      counters.anchor_commands, counters.anchor_changes, counters.swaps, counters.rejected_messages,
+      counters.dropped_messages);
+}
+
+}  // namespace waymark::session

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may come, as what, and what moderators may do about it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "session/state/session_state.h"
+
+namespace waymark::session {
+namespace {
+
+Ban MakeBan(const RoomMember& member, const std::string& reason, ServerTime until) {
+  return {.until = until, .token_id = member.permit.token_id, .reason = reason};
+}
+
+}  // namespace
+
+std::optional<std::string> SessionState::FindObjection(const event::HelloReceived& event,
+                                                       ServerTime now) const {
+  if (!event.permit.refusal.empty()) return event.permit.refusal;
+  if (auto ban = FindBan(event, now)) return ban;
+  // A token for any device is no proof of being this one, if another token has said so before.
+  const auto proves_less = [&](const event::Permit& known) {
+    return event.permit.token_id != known.token_id && !event.permit.is_for_this_device;
+  };
+  const DeviceId& device = event.hello.device;
+  const auto member = members_.find(device);
+  const auto away = away_.find(device);
+  const bool is_taken = (member != members_.end() && proves_less(member->second.permit)) ||
+                        (away != away_.end() && proves_less(away->second.member.permit));
+  if (!is_taken) return std::nullopt;
+  return fmt::format("device {}: is here by another token", device.text());
+}
+
+std::optional<std::string> SessionState::FindBan(const event::HelloReceived& event,
+                                                 ServerTime now) const {
+  const RoomId& room = event.hello.room;
+  const std::string& token = event.permit.token_id;
+  for (const auto& [whom, ban] : bans_) {
+    if (whom.first != room || ban.until <= now) continue;
+    if (whom.second != event.hello.device && (token.empty() || token != ban.token_id)) continue;
+    return fmt::format("removed from room {} by a moderator{}; may come back in {:.0f} s",
+                       room.text(), ban.reason.empty() ? "" : ": " + ban.reason,
+                       std::ceil(Seconds(ban.until - now)));
+  }
+  return std::nullopt;
+}
+
+void SessionState::Renew(RoomMember& member, const event::HelloReceived& event, Step& step) {
+  const Role before = member.role();
+  member.last_heard = step.now;
+  member.attempt = event.hello.attempt;
+  member.permit = event.permit;
+  Greet(member, true, step);
+  if (member.role() == before) return;
+  if (!MaySharePose(member.role())) {
+    member.pose.reset();
+    member.pose_is_new = false;
+  }
+  Announce(member, step);
+}
+
+void SessionState::SendAway(const DeviceId& device, const std::string& reason, Step& step) {
+  (void)TakeAway(device);
+  const auto found = members_.find(device);
+  if (found == members_.end()) return;
+  const RoomMember& member = found->second;
+  step.effects.push_back(effect::SendWelcome{member.room, Welcome{.device = device,
+                                                                  .attempt = member.attempt,
+                                                                  .verdict = JoinVerdict::kRemoved,
+                                                                  .reason = reason,
+                                                                  .run = run_,
+                                                                  .map = map_,
+                                                                  .session_time = step.now}});
+  Remove(device, step);
+}
+
+void SessionState::EndPermits(Step& step) {
+  std::vector<DeviceId> ended;
+  for (const auto& [device, member] : members_) {
+    if (member.permit.until && *member.permit.until < step.now) ended.push_back(device);
+  }
+  for (const DeviceId& device : ended) SendAway(device, "the token's time is over", step);
+}
+
+void SessionState::On(const event::PermitsRevoked& event, Step& step) {
+  std::vector<DeviceId> ended;
+  const auto is_revoked = [&](const RoomMember& member) {
+    return event.token_ids.contains(member.permit.token_id) ||
+           event.token_keys.contains(member.permit.token_key) ||
+           event.devices.contains(member.device);
+  };
+  for (const auto& [device, member] : members_) {
+    if (is_revoked(member)) ended.push_back(device);
+  }
+  for (const auto& [device, away] : away_) {
+    if (is_revoked(away.member)) ended.push_back(device);
+  }
+  for (const DeviceId& device : ended) SendAway(device, "the token was revoked", step);
+}
+
+void SessionState::On(const event::RoomCommandReceived& event, Step& step) {
+  RoomMember* const member = FindHeard(event.command.ticket, step.now);
+  if (member == nullptr) return;
+  const auto answered = std::find_if(
+      member->answered.begin(), member->answered.end(),
+      [&](const CommandReply& reply) { return reply.request == event.command.request; });
+  if (answered != member->answered.end()) {
+    step.effects.push_back(effect::SendReply{*answered});
+    return;
+  }
+  const CommandVerdict verdict = Moderate(event.command, *member, step);
+  Answer(*member, event.command.request, AnchorId(FormatUuid({})), verdict, step);
+}
+
+CommandVerdict SessionState::Moderate(const RoomCommand& command, RoomMember& member, Step& step) {
+  const std::string& room = member.room.text();
+  if (!MayModerate(member.role())) {
+    return {CommandOutcome::kForbidden,
+            fmt::format("room {}: only a moderator may do that, this device is a {}", room,
+                        RoleName(member.role())),
+            std::nullopt};
+  }
+  switch (command.operation) {
+    case RoomOperation::kRemoveDevice:
+      return RemoveByModerator(command, member, step);
+    case RoomOperation::kReadmitDevice:
+      if (bans_.erase({member.room, command.device}) > 0) return {};
+      return {CommandOutcome::kNotFound,
+              fmt::format("device {}: is not kept out of room {}", command.device.text(), room),
+              std::nullopt};
+    case RoomOperation::kSetCapacity:
+      break;
+  }
+  if (command.capacity < 1 || command.capacity > options_.max_members) {
+    return {CommandOutcome::kInvalid,
+            fmt::format("room {}: expected a capacity in [1, {}], found {}", room,
+                        options_.max_members, command.capacity),
+            std::nullopt};
+  }
+  rooms_.at(member.room).capacity = command.capacity;
+  return {};
+}
+
+CommandVerdict SessionState::RemoveByModerator(const RoomCommand& command,
+                                               const RoomMember& moderator, Step& step) {
+  const RoomMember* const target = FindKnown(command.device);
+  if (target == nullptr || target->room != moderator.room) {
+    return {
+        CommandOutcome::kNotFound,
+        fmt::format("device {}: is not in room {}", command.device.text(), moderator.room.text()),
+        std::nullopt};
+  }
+  if (target->device == moderator.device) {
+    return {CommandOutcome::kInvalid, "a moderator leaves, it does not remove itself",
+            std::nullopt};
+  }
+  bans_.insert_or_assign({target->room, target->device},
+                         MakeBan(*target, command.reason, step.now + options_.ban));
+  SendAway(DeviceId(command.device),
+           "removed by a moderator" + (command.reason.empty() ? "" : ": " + command.reason), step);
+  return {};
+}
+
+}  // namespace waymark::session

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/tools/serve_options.h"
+
+#include <map>
+
+#include "session/tools/security.h"
+
+namespace waymark::session {
+namespace {
+
+void AddSecurityOptions(CLI::App& app, ServeArguments& arguments) {
+  const std::map<std::string, Role> roles{
+      {"viewer", Role::kViewer}, {"member", Role::kMember}, {"moderator", Role::kModerator}};
+  app.add_option("--security", arguments.security,
+                 "Folder of waymark-keys: devices must show a token for their room; one of "
+                 "`waymark-keys issue` also has DDS authenticated and encrypted");
+  app.add_flag("--insecure", arguments.is_insecure_wanted,
+               "Serve beyond this machine without keys: whoever reaches the ports may do all");
+  app.add_option("--open-role", arguments.server.open_role,
+                 "What everybody is where no tokens are asked for: viewer, member or moderator")
+      ->transform(CLI::CheckedTransformer(roles, CLI::ignore_case))
+      ->default_str("member");
+  app.add_flag_callback(
+      "--moderators-open",
+      [&arguments] { arguments.server.state.opening = RoomOpening::kModerators; },
+      "A room is open to others once a moderator is in it");
+  app.add_option("--room-capacity", arguments.server.state.max_members,
+                 "Devices that a room holds at most; moderators may set less")
+      ->capture_default_str();
+  app.add_flag_callback(
+      "--only-owners", [&arguments] { arguments.server.state.rights = AnchorRights::kOwner; },
+      "Anchors may be moved and deleted by their owner and by moderators alone");
+}
+
+}  // namespace
+
+void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
+  app.footer(
+      "Examples:\n"
+      "  waymark-serve --map MAP --store anchors.db                       on this machine, open\n"
+      "  waymark-serve --map MAP --store anchors.db --security KEYS       with tokens\n"
+      "  waymark-serve … --address 192.0.2.7 --security KEYS/issued/main  for others, encrypted\n"
+      "Keys and tokens come from waymark-keys.");
+  app.add_option("--map", arguments.map, "Map folder with a deployed release")->required();
+  app.add_option("--store", arguments.store,
+                 "Anchor store, created if absent: a file, or postgresql://user@host/database, "
+                 "which several servers may share")
+      ->required();
+  app.add_option("--domain", arguments.server.dds_domain, "DDS domain, 0 to 230")
+      ->capture_default_str();
+  app.add_option("--address", arguments.server.address, "Address of the interface to serve on")
+      ->capture_default_str();
+  app.add_option("--tick", arguments.server.tick_hz, "Pose batches per second")
+      ->capture_default_str();
+  app.add_option("--threads", arguments.server.localise.threads, "Images localised at once")
+      ->capture_default_str();
+  app.add_option("--record", arguments.server.recording_file,
+                 "New file for all that enters the session; waymark-replay takes it up");
+  AddSecurityOptions(app, arguments);
+}
+
+Result<void> CheckSecurity(const ServeArguments& arguments) {
+  const std::string& address = arguments.server.address;
+  const bool has_credentials = HasDdsCredentials(arguments.security);
+  if (IsLoopback(address) || has_credentials || arguments.is_insecure_wanted) return {};
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "address {}: others can reach it; expected --security with a folder of "
+                   "`waymark-keys issue KEYS server NAME`, or --insecure to serve everybody",
+                   address);
+}
+
+}  // namespace waymark::session

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "session/server/server.h"
+
+namespace waymark::session {
+
+/// What waymark-serve is told on its command line.
+struct ServeArguments {
+  std::filesystem::path map;
+  std::string store;
+  std::string security;  ///< folder of keys; empty: none
+  bool is_insecure_wanted = false;
+  ServerOptions server;
+};
+
+/// Declares the options on the app; the arguments are set when it parses.
+void AddServeOptions(CLI::App& app, ServeArguments& arguments);
+
+/// A service that others can reach is not left open by oversight.
+Result<void> CheckSecurity(const ServeArguments& arguments);
+
+}  // namespace waymark::session
