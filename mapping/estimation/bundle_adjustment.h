@@ -62,6 +62,11 @@ struct BundleProblem {
   Result<void> Validate() const;
 };
 
+enum class BundleSolver {
+  kOwn,    ///< the same bits on any number of threads
+  kCeres,  ///< the reference that the other is held against; slower, and its bits vary with threads
+};
+
 enum class ObservationLoss { kSquared, kHuber, kCauchy };
 
 struct BundleOptions {
@@ -71,6 +76,7 @@ struct BundleOptions {
   double position_scale = 2;  ///< the same for position priors and rig links (Cauchy)
   double gravity_sigma_rad = 0.02;
   double level_sigma_rad = 0.2;
+  BundleSolver solver = BundleSolver::kOwn;
   int max_iterations = 50;
   double relative_tolerance = 1e-6;  ///< of the cost, to stop
   Parallelism parallelism;

@@ -129,11 +129,10 @@ void ListLeftOut(const TaskInput& input, const Reconstruction* reconstruction, b
 Result<Decision> Reconstruct(const MapDirectory& map, const TaskInput& input,
                              const TangentPlane& submap_plane,
                              const std::vector<PairMatches>& matches, const std::string& name,
-                             Run& run) {
+                             const Parallelism& parallelism, Run& run) {
   const std::vector<SfmImage> images = MakeSfmImages(input, submap_plane);
   SfmOptions options = input.task.options.sfm;
-  // One thread: with more, the solver's sums depend on timing, and a submap's name is its bytes.
-  options.parallelism = {1};
+  options.parallelism = parallelism;
   const auto on_progress = [&](std::string_view, double share) {
     run.Report(PipelineStage::kReconstruction, name,
                static_cast<std::size_t>(std::lround(1000 * std::clamp(share, 0.0, 1.0))), 1000);
@@ -188,7 +187,8 @@ Result<SubmapReport> BuildTask(const MapDirectory& map, const ExperienceId& expe
   WAYMARK_TRY_ASSIGN(const auto matches,
                      MatchPairs(input, SelectPairs(input, submap_plane), name, parallelism, run));
   const double matching_s = watch.Lap();
-  WAYMARK_TRY_ASSIGN(Decision decision, Reconstruct(map, input, submap_plane, matches, name, run));
+  WAYMARK_TRY_ASSIGN(Decision decision,
+                     Reconstruct(map, input, submap_plane, matches, name, parallelism, run));
   decision.times.matching_s = matching_s;
   decision.times.matching_threads = static_cast<int>(parallelism.ThreadCount());
   WAYMARK_TRY(

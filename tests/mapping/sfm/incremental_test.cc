@@ -227,7 +227,7 @@ TEST(Incremental, IsTheSameForTheSameInput) {
   for (std::size_t i = 0; i < 8; ++i) {
     const Rigid3& pose = a->images[i].submap_from_camera->rigid();
     EXPECT_EQ(Difference(pose, b->images[i].submap_from_camera->rigid()).norm(), 0);
-    EXPECT_LT(Difference(pose, threaded->images[i].submap_from_camera->rigid()).norm(), 0.01);
+    EXPECT_EQ(Difference(pose, threaded->images[i].submap_from_camera->rigid()).norm(), 0);
   }
 }
 
