@@ -2,6 +2,7 @@
 #include "mapping/matching/candidate_pairs.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
@@ -19,6 +20,42 @@ constexpr std::size_t kSparseReach = 8;
 
 /// Appearance may find what GNSS places wrongly, but not this many radii away.
 constexpr double kRetrievalRadii = 5;
+
+/// Images of a video follow each other in steps between these.
+constexpr double kLeastFrameStep_s = 1e-3;
+constexpr double kMostFrameStep_s = 0.5;
+
+/// The images of each sequence in the order of time.
+class Sequences {
+ public:
+  Sequences(Images images, double video_s)
+      : images_(images), video_s_(video_s), places_(images.size()) {
+    for (std::uint32_t i = 0; i < images.size(); ++i) by_name_[images[i].sequence].push_back(i);
+    for (auto& [name, sequence] : by_name_) {
+      std::ranges::stable_sort(sequence, {}, [&](std::uint32_t i) { return images[i].time; });
+      for (std::size_t k = 0; k < sequence.size(); ++k) places_[sequence[k]] = k;
+    }
+  }
+
+  const std::map<std::string, std::vector<std::uint32_t>>& by_name() const { return by_name_; }
+
+  /// Whether the two are frames of one video and so close in time that the recorder cannot have
+  /// come back: successors tell all.
+  bool AreOneTake(std::uint32_t a, std::uint32_t b) const {
+    if (images_[a].sequence != images_[b].sequence) return false;
+    const double apart_s = std::abs(Seconds(images_[a].time - images_[b].time));
+    const auto steps =
+        static_cast<double>(std::max(places_[a], places_[b]) - std::min(places_[a], places_[b]));
+    return apart_s <= video_s_ && apart_s >= kLeastFrameStep_s * steps &&
+           apart_s <= kMostFrameStep_s * steps;
+  }
+
+ private:
+  Images images_;
+  double video_s_;
+  std::vector<std::size_t> places_;  // by image, in its sequence
+  std::map<std::string, std::vector<std::uint32_t>> by_name_;
+};
 
 class PairSet {
  public:
@@ -51,12 +88,9 @@ std::optional<double> Distance_m(const PairingImage& a, const PairingImage& b) {
   return (a.gnss_in_map->coordinates() - b.gnss_in_map->coordinates()).head<2>().norm();
 }
 
-void AddSequential(Images images, const PairingOptions& options, PairSet& pairs) {
-  std::map<std::string, std::vector<std::uint32_t>> sequences;
-  for (std::uint32_t i = 0; i < images.size(); ++i) sequences[images[i].sequence].push_back(i);
+void AddSequential(const Sequences& sequences, const PairingOptions& options, PairSet& pairs) {
   const auto neighbours = static_cast<std::size_t>(options.sequential_neighbours);
-  for (auto& [name, sequence] : sequences) {
-    std::ranges::stable_sort(sequence, {}, [&](std::uint32_t i) { return images[i].time; });
+  for (const auto& [name, sequence] : sequences.by_name()) {
     for (std::size_t i = 0; i < sequence.size(); ++i) {
       const auto add = [&](std::size_t step) {
         if (i + step < sequence.size()) pairs.Add(sequence[i], sequence[i + step]);
@@ -77,12 +111,13 @@ void AddBest(std::uint32_t image, std::vector<std::pair<double, std::uint32_t>> 
 }
 
 /// Those that the sequence gives already do not count: other passes and cameras get their turn.
-void AddSpatial(Images images, const PairingOptions& options, PairSet& pairs) {
+void AddSpatial(Images images, const Sequences& sequences, const PairingOptions& options,
+                PairSet& pairs) {
   const PairSet given = pairs;
   for (std::uint32_t i = 0; i < images.size(); ++i) {
     std::vector<std::pair<double, std::uint32_t>> candidates;
     for (std::uint32_t j = 0; j < images.size(); ++j) {
-      if (j == i || given.Contains(i, j)) continue;
+      if (j == i || given.Contains(i, j) || sequences.AreOneTake(i, j)) continue;
       const auto distance_m = Distance_m(images[i], images[j]);
       if (distance_m && *distance_m <= options.spatial_radius_m) {
         candidates.emplace_back(*distance_m, j);
@@ -92,7 +127,8 @@ void AddSpatial(Images images, const PairingOptions& options, PairSet& pairs) {
   }
 }
 
-void AddByAppearance(Images images, const PairingOptions& options, PairSet& pairs) {
+void AddByAppearance(Images images, const Sequences& sequences, const PairingOptions& options,
+                     PairSet& pairs) {
   std::vector<std::span<const Descriptor>> descriptors;
   for (const PairingImage& image : images) descriptors.push_back(image.descriptors);
   const internal::AppearanceIndex index(descriptors,
@@ -103,12 +139,21 @@ void AddByAppearance(Images images, const PairingOptions& options, PairSet& pair
     std::vector<std::pair<double, std::uint32_t>> candidates;
     for (std::uint32_t j = 0; j < images.size(); ++j) {
       if (j == i || similarities[j] <= 0 || given.Contains(i, j)) continue;
+      if (sequences.AreOneTake(i, j)) continue;
       const auto distance_m = Distance_m(images[i], images[j]);
       if (distance_m && *distance_m > kRetrievalRadii * options.spatial_radius_m) continue;
       candidates.emplace_back(-similarities[j], j);
     }
     AddBest(i, std::move(candidates), options.retrieval_neighbours, pairs);
   }
+}
+
+/// Then nothing is left to be found by its look.
+bool IsOneTake(Images images, const Sequences& sequences) {
+  return std::ranges::all_of(sequences.by_name(), [&](const auto& one) {
+    return one.second.size() == images.size() &&
+           sequences.AreOneTake(one.second.front(), one.second.back());
+  });
 }
 
 }  // namespace
@@ -123,24 +168,32 @@ Result<void> PairingOptions::Validate() const {
                        value);
     }
   }
-  if (!(spatial_radius_m >= 0)) {
-    return MakeError(ErrorCode::kInvalidArgument, "spatial_radius_m: expected 0 or more, found {}",
-                     spatial_radius_m);
+  for (const auto& [name, value] :
+       {std::pair("spatial_radius_m", spatial_radius_m), std::pair("video_s", video_s)}) {
+    if (!(value >= 0)) {
+      return MakeError(ErrorCode::kInvalidArgument, "{}: expected 0 or more, found {}", name,
+                       value);
+    }
   }
   return {};
 }
 
 std::vector<ImagePair> SelectCandidatePairs(Images images, const PairingOptions& options) {
   PairSet pairs(images.size());
+  const Sequences sequences(images, options.video_s);
+  AddSequential(sequences, options, pairs);
   if (images.size() <= static_cast<std::size_t>(options.exhaustive_below)) {
     for (std::uint32_t i = 0; i < images.size(); ++i) {
-      for (std::uint32_t j = i + 1; j < images.size(); ++j) pairs.Add(i, j);
+      for (std::uint32_t j = i + 1; j < images.size(); ++j) {
+        if (!sequences.AreOneTake(i, j)) pairs.Add(i, j);
+      }
     }
     return pairs.Sorted();
   }
-  AddSequential(images, options, pairs);
-  AddSpatial(images, options, pairs);
-  if (options.retrieval_neighbours > 0) AddByAppearance(images, options, pairs);
+  AddSpatial(images, sequences, options, pairs);
+  if (options.retrieval_neighbours > 0 && !IsOneTake(images, sequences)) {
+    AddByAppearance(images, sequences, options, pairs);
+  }
   return pairs.Sorted();
 }
 

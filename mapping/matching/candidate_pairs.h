@@ -29,6 +29,8 @@ struct PairingOptions {
   double spatial_radius_m = 40;    ///< appearance is believed up to five times as far
   int retrieval_neighbours = 10;   ///< most similar by appearance; 0 switches retrieval off
   int exhaustive_below = 40;       ///< at most this many images: all pairs
+  double video_s = 10;             ///< frames of a video that are no farther apart are paired as
+                                   ///< successors only, whatever their number; 0: like other images
   std::uint32_t seed = 1;          ///< of the vocabulary that retrieval trains
   Parallelism parallelism = {};    ///< does not change the result
 

@@ -4,24 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "mapping/matching/internal/nearest_two_kernels.h"
+#include "mapping/matching/internal/ratio_test.h"
 
 namespace waymark::mapping {
 namespace {
 
-/// The chosen database entry, if it is near enough and clearly nearer than the second nearest.
-/// Source: Lowe 2004, section 7.1, on angles.
-std::optional<std::uint32_t> Choose(const NearestTwo& nearest, const MatchOptions& options) {
-  if (nearest.first_dot < 0) return std::nullopt;
-  const double angle_rad = DescriptorAngle(nearest.first_dot);
-  if (angle_rad > options.max_angle_rad) return std::nullopt;
-  // A lone candidate competes with an unrelated one.
-  const double second_angle_rad = DescriptorAngle(std::max(nearest.second_dot, 0));
-  if (angle_rad >= options.max_ratio * second_angle_rad) return std::nullopt;
-  return nearest.first;
-}
+using internal::Choose;
 
 /// Keeps the matches whose second descriptor chooses the first in turn. Only descriptors that were
 /// chosen are asked: usually a fraction of the image.
@@ -42,7 +32,8 @@ void KeepMutual(std::span<const Descriptor> first, std::span<const Descriptor> s
 
 std::vector<NearestTwo> FindNearestTwo(std::span<const Descriptor> queries,
                                        std::span<const Descriptor> database) {
-  return internal::SupportedNearestTwoKernels().front().find(queries, database);
+  return internal::FindNearestTwo(internal::SupportedNearestTwoKernels().front(), queries,
+                                  database);
 }
 
 double DescriptorAngle(std::int32_t dot) {

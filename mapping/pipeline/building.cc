@@ -8,6 +8,7 @@
 #include "mapping/base/file.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/io/submap_file.h"
+#include "mapping/matching/image_matcher.h"
 #include "mapping/pipeline/internal/rig_links.h"
 #include "mapping/pipeline/internal/task_input.h"
 #include "mapping/submap/prune.h"
@@ -35,14 +36,15 @@ Result<std::vector<PairMatches>> MatchPairs(const TaskInput& input,
                                             const std::vector<ImagePair>& pairs,
                                             const std::string& name, const Parallelism& parallelism,
                                             Run& run) {
+  std::vector<std::span<const Descriptor>> descriptors;
+  for (const ImageFeatures& features : input.features) descriptors.push_back(features.descriptors);
+  const PipelineOptions& options = input.task.options;
+  const ImageMatcher matcher(std::move(descriptors), options.matching, options.search, parallelism);
   std::vector<PairMatches> matches(pairs.size());
   StageCounter counter(run, PipelineStage::kMatching, name, pairs.size());
   ParallelFor(pairs.size(), parallelism, [&](std::size_t i) {
     if (run.ShouldStop()) return;
-    const ImagePair& pair = pairs[i];
-    matches[i] = {pair, MatchDescriptors(input.features[pair.first].descriptors,
-                                         input.features[pair.second].descriptors,
-                                         input.task.options.matching)};
+    matches[i] = {pairs[i], matcher.Match(pairs[i])};
     counter.Add();
   });
   if (run.ShouldStop()) return Run::Stopped();

@@ -10,6 +10,7 @@ Result<void> PipelineOptions::Validate() const {
   WAYMARK_TRY(split.Validate());
   WAYMARK_TRY(pairing.Validate());
   WAYMARK_TRY(matching.Validate());
+  WAYMARK_TRY(search.Validate());
   WAYMARK_TRY(sfm.Validate());
   WAYMARK_TRY(verification.Validate());
   WAYMARK_TRY(assembly.Validate());

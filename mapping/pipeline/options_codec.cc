@@ -43,9 +43,14 @@ void VisitMatching(Options& o, Visit visit) {
   visit("pairing.spatial_radius_m", o.pairing.spatial_radius_m);
   visit("pairing.retrieval_neighbours", o.pairing.retrieval_neighbours);
   visit("pairing.exhaustive_below", o.pairing.exhaustive_below);
+  visit("pairing.video_s", o.pairing.video_s);
   visit("matching.max_ratio", o.matching.max_ratio);
   visit("matching.max_angle_rad", o.matching.max_angle_rad);
   visit("matching.mutual", o.matching.mutual);
+  visit("search.exhaustive_below", o.search.exhaustive_below);
+  visit("search.cells", o.search.cells);
+  visit("search.probes", o.search.probes);
+  visit("search.seed", o.search.seed);
 }
 
 template <typename Options, typename Visit>

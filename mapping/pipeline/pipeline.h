@@ -19,6 +19,7 @@
 #include "mapping/fusion/fusion.h"
 #include "mapping/matching/candidate_pairs.h"
 #include "mapping/matching/descriptor_matching.h"
+#include "mapping/matching/image_matcher.h"
 #include "mapping/sfm/incremental.h"
 #include "mapping/split/split.h"
 #include "mapping/submap/assemble.h"
@@ -32,6 +33,7 @@ struct PipelineOptions {
   SplitOptions split = {};
   PairingOptions pairing = {};
   MatchOptions matching = {};
+  SearchOptions search = {};  ///< of descriptors
   SfmOptions sfm = {};  ///< its parallelism is set by the pipeline
   VerificationOptions verification = {};
   AssemblyOptions assembly = {};

@@ -95,6 +95,7 @@ Result<AddRequest> MakeAddRequest(const AddArguments& arguments, const CLI::App&
   split.max_radius_m = std::max(split.max_radius_m, split.radius_m);
   if (shrink < 1) split.min_images = std::min(split.min_images, 10);
   split.seed = arguments.seed;
+  options.search.seed = static_cast<std::uint32_t>(arguments.seed);
   options.sfm.seed = arguments.seed;
   WAYMARK_TRY(ReadReadouts(arguments.readouts, options));
   options.parallelism.threads = arguments.threads;

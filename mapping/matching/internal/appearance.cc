@@ -17,9 +17,10 @@ Image Strongest(Image image, std::size_t count) {
 }
 
 /// The same number from each image, so that no experience dominates the words.
-std::vector<Descriptor> Sample(std::span<const Image> images, const AppearanceOptions& options) {
+std::vector<Descriptor> Sample(std::span<const Image> images, std::size_t words,
+                               const AppearanceOptions& options) {
   const std::size_t per_image = std::clamp<std::size_t>(
-      options.training_descriptors / images.size(), 1, options.features_per_image);
+      options.training_per_word * words / images.size(), 1, options.features_per_image);
   std::vector<Descriptor> sample;
   for (const Image image : images) {
     const Image strongest = Strongest(image, per_image);
@@ -33,8 +34,9 @@ std::vector<Descriptor> Sample(std::span<const Image> images, const AppearanceOp
 AppearanceIndex::AppearanceIndex(std::span<const Image> images, const AppearanceOptions& options)
     : words_of_image_(images.size()) {
   if (images.empty()) return;
+  const std::size_t wanted = std::min(options.max_words, options.words_per_image * images.size());
   const std::vector<Descriptor> words =
-      TrainVocabulary(Sample(images, options), options.max_words, options.seed);
+      TrainVocabulary(Sample(images, wanted, options), wanted, options.seed);
   ParallelFor(images.size(), options.parallelism, [&](std::size_t i) {
     std::vector<float> counts(words.size());
     for (const NearestTwo& nearest :

@@ -12,8 +12,9 @@ namespace waymark::mapping::internal {
 
 struct AppearanceOptions {
   std::size_t features_per_image = 1500;  ///< strongest used
-  std::size_t training_descriptors = 80'000;
+  std::size_t words_per_image = 60;
   std::size_t max_words = 8192;
+  std::size_t training_per_word = 10;
   std::uint32_t seed = 1;
   Parallelism parallelism;
 };

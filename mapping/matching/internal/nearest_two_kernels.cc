@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/matching/internal/nearest_two_kernels.h"
 
+#include <algorithm>
+#include <array>
+#include <numeric>
+
 namespace waymark::mapping::internal {
 namespace {
 
@@ -21,6 +25,20 @@ std::vector<NearestTwoKernel> ListSupported() {
 std::span<const NearestTwoKernel> SupportedNearestTwoKernels() {
   static const std::vector<NearestTwoKernel> kernels = ListSupported();
   return kernels;
+}
+
+std::vector<NearestTwo> FindNearestTwo(const NearestTwoKernel& kernel,
+                                       std::span<const Descriptor> queries,
+                                       std::span<const Descriptor> database) {
+  std::vector<std::uint32_t> all(std::max(queries.size(), database.size()));
+  std::iota(all.begin(), all.end(), 0U);
+  const std::array query_begins{0U, static_cast<std::uint32_t>(queries.size())};
+  const std::array entry_begins{0U, static_cast<std::uint32_t>(database.size())};
+  return kernel.find(queries, database,
+                     {.query_begins = query_begins,
+                      .queries = std::span(all).first(queries.size()),
+                      .entry_begins = entry_begins,
+                      .entries = std::span(all).first(database.size())});
 }
 
 }  // namespace waymark::mapping::internal

@@ -13,16 +13,21 @@ std::int32_t Dot(const Descriptor& a, const Descriptor& b) {
 }  // namespace
 
 std::vector<NearestTwo> FindNearestTwoPortable(std::span<const Descriptor> queries,
-                                               std::span<const Descriptor> database) {
+                                               std::span<const Descriptor> database,
+                                               const SearchCells& cells) {
   std::vector<NearestTwo> answers(queries.size());
-  for (std::size_t q = 0; q < queries.size(); ++q) {
-    NearestTwo& answer = answers[q];
-    for (std::size_t d = 0; d < database.size(); ++d) {
-      const std::int32_t dot = Dot(queries[q], database[d]);
-      if (dot > answer.first_dot) {
-        answer = {static_cast<std::uint32_t>(d), dot, answer.first_dot};
-      } else if (dot > answer.second_dot) {
-        answer.second_dot = dot;
+  for (std::size_t cell = 0; cell + 1 < cells.entry_begins.size(); ++cell) {
+    for (std::uint32_t i = cells.query_begins[cell]; i < cells.query_begins[cell + 1]; ++i) {
+      const std::uint32_t query = cells.queries[i];
+      NearestTwo& answer = answers[query];
+      for (std::uint32_t j = cells.entry_begins[cell]; j < cells.entry_begins[cell + 1]; ++j) {
+        const std::uint32_t entry = cells.entries[j];
+        const std::int32_t dot = Dot(queries[query], database[entry]);
+        if (dot > answer.first_dot) {
+          answer = {entry, dot, answer.first_dot};
+        } else if (dot > answer.second_dot) {
+          answer.second_dot = dot;
+        }
       }
     }
   }

@@ -11,6 +11,7 @@
 #else  // g++ 12 takes the deliberately undefined registers of its header for a mistake (bug 105593)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #include <immintrin.h>
 #pragma GCC diagnostic pop
 #endif
@@ -31,27 +32,6 @@ constexpr std::size_t kTileRegisters = 4;
 constexpr std::size_t kTileEntries = kLanes * kTileRegisters;
 constexpr std::size_t kSteps = std::tuple_size_v<Descriptor> / 4;
 constexpr std::size_t kBlockTiles = 2;  ///< 16 KiB of packed entries stay in the first cache
-constexpr std::size_t kBlockEntries = kTileEntries * kBlockTiles;
-
-using State = LaneState<kLanes>;
-
-/// vpdpbusd multiplies unsigned by signed bytes, so entries are stored minus 128; the difference,
-/// 128 times the sum of the query, starts the accumulators.
-struct PackedBlock {
-  alignas(64) std::int8_t tiles[kBlockTiles][kSteps][kTileRegisters][kLanes][4];
-};
-
-void Pack(std::span<const Descriptor> entries, PackedBlock& block) {
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    auto& tile = block.tiles[e / kTileEntries];
-    for (std::size_t k = 0; k < kSteps; ++k) {
-      std::uint32_t four;
-      std::memcpy(&four, entries[e].data() + 4 * k, 4);
-      four ^= 0x80808080U;
-      std::memcpy(tile[k][e / kLanes % kTileRegisters][e % kLanes], &four, 4);
-    }
-  }
-}
 
 std::int32_t Sum(const Descriptor& descriptor) {
   std::int32_t sum = 0;
@@ -59,77 +39,134 @@ std::int32_t Sum(const Descriptor& descriptor) {
   return sum;
 }
 
-/// One query against sixteen entries of which the first `valid` exist.
-WAYMARK_VNNI inline void Update(State& state, __m512i dots, std::int32_t index, __mmask16 valid) {
-  const __m512i first = _mm512_load_si512(state.first_dot);
-  const __m512i second = _mm512_load_si512(state.second_dot);
-  dots = _mm512_mask_mov_epi32(_mm512_set1_epi32(-1), valid, dots);
-  const __mmask16 better = _mm512_cmpgt_epi32_mask(dots, first);
-  _mm512_store_si512(state.second_dot, _mm512_max_epi32(second, _mm512_min_epi32(first, dots)));
-  _mm512_store_si512(state.first_dot, _mm512_max_epi32(first, dots));
-  _mm512_mask_store_epi32(state.first, better, _mm512_set1_epi32(index));
-}
+/// Entries of one tile, by four components, register, lane.
+using PackedTile = std::int8_t[kSteps][kTileRegisters][kLanes][4];
 
-WAYMARK_VNNI void Scan(const Descriptor* const (&queries)[kTileQueries],
-                       const std::int32_t (&offsets)[kTileQueries], const PackedBlock& block,
-                       std::size_t entry_count, std::int32_t block_index, State* states) {
-  for (std::size_t t = 0; t * kTileEntries < entry_count; ++t) {
-    __m512i dots[kTileQueries][kTileRegisters];
+struct Tile {
+  const std::uint8_t* queries[kTileQueries];
+  std::int32_t offsets[kTileQueries];
+  LaneState<kLanes>* states[kTileQueries];
+};
+
+/// The first `kRegisters` registers of entries, of which the last holds `last_valid`.
+template <std::size_t kRegisters>
+WAYMARK_VNNI inline void ScanTile(const Tile& tile, const PackedTile& packed,
+                                  std::int32_t first_register, __mmask16 last_valid) {
+  __m512i dots[kTileQueries][kRegisters];
+#pragma GCC unroll 4
+  for (std::size_t q = 0; q < kTileQueries; ++q) {
+#pragma GCC unroll 4
+    for (std::size_t r = 0; r < kRegisters; ++r) dots[q][r] = _mm512_set1_epi32(tile.offsets[q]);
+  }
+  for (std::size_t k = 0; k < kSteps; ++k) {
+    __m512i entries[kRegisters];
+#pragma GCC unroll 4
+    for (std::size_t r = 0; r < kRegisters; ++r) entries[r] = _mm512_load_si512(packed[k][r]);
+#pragma GCC unroll 4
     for (std::size_t q = 0; q < kTileQueries; ++q) {
-      for (auto& lane_dots : dots[q]) lane_dots = _mm512_set1_epi32(offsets[q]);
-    }
-    for (std::size_t k = 0; k < kSteps; ++k) {
-      __m512i entries[kTileRegisters];
+      std::int32_t four;
+      std::memcpy(&four, tile.queries[q] + 4 * k, 4);
+      const __m512i query = _mm512_set1_epi32(four);
 #pragma GCC unroll 4
-      for (std::size_t r = 0; r < kTileRegisters; ++r) {
-        entries[r] = _mm512_load_si512(block.tiles[t][k][r]);
+      for (std::size_t r = 0; r < kRegisters; ++r) {
+        dots[q][r] = _mm512_dpbusd_epi32(dots[q][r], query, entries[r]);
       }
-#pragma GCC unroll 4
-      for (std::size_t q = 0; q < kTileQueries; ++q) {
-        std::int32_t four;
-        std::memcpy(&four, queries[q]->data() + 4 * k, 4);
-        const __m512i query = _mm512_set1_epi32(four);
-#pragma GCC unroll 4
-        for (std::size_t r = 0; r < kTileRegisters; ++r) {
-          dots[q][r] = _mm512_dpbusd_epi32(dots[q][r], query, entries[r]);
-        }
-      }
-    }
-    for (std::size_t r = 0; r < kTileRegisters; ++r) {
-      const std::size_t begin = t * kTileEntries + r * kLanes;
-      if (begin >= entry_count) break;
-      const std::size_t left = entry_count - begin;
-      const auto valid = static_cast<__mmask16>(left >= kLanes ? 0xffffU : (1U << left) - 1);
-      const auto index = static_cast<std::int32_t>(block_index + begin / kLanes);
-      for (std::size_t q = 0; q < kTileQueries; ++q) Update(states[q], dots[q][r], index, valid);
     }
   }
+#pragma GCC unroll 4
+  for (std::size_t q = 0; q < kTileQueries; ++q) {
+    LaneState<kLanes>& state = *tile.states[q];
+    __m512i first_dot = _mm512_load_si512(state.first_dot);
+    __m512i second_dot = _mm512_load_si512(state.second_dot);
+    __m512i first = _mm512_load_si512(state.first);
+    dots[q][kRegisters - 1] =
+        _mm512_mask_mov_epi32(_mm512_set1_epi32(-1), last_valid, dots[q][kRegisters - 1]);
+#pragma GCC unroll 4
+    for (std::size_t r = 0; r < kRegisters; ++r) {
+      const __m512i dot = dots[q][r];
+      const __mmask16 better = _mm512_cmpgt_epi32_mask(dot, first_dot);
+      second_dot = _mm512_max_epi32(second_dot, _mm512_min_epi32(first_dot, dot));
+      first_dot = _mm512_max_epi32(first_dot, dot);
+      first = _mm512_mask_mov_epi32(first, better,
+                                    _mm512_set1_epi32(first_register + static_cast<int>(r)));
+    }
+    _mm512_store_si512(state.first_dot, first_dot);
+    _mm512_store_si512(state.second_dot, second_dot);
+    _mm512_store_si512(state.first, first);
+  }
 }
+
+WAYMARK_VNNI void ScanEntries(const Tile& tile, const PackedTile* packed,
+                              std::int32_t first_register, std::size_t count) {
+  for (; count > 0; ++packed, first_register += static_cast<int>(kTileRegisters)) {
+    const std::size_t here = std::min(count, kTileEntries);
+    const std::size_t registers = (here + kLanes - 1) / kLanes;
+    const auto last_valid = static_cast<__mmask16>(0xffffU >> (registers * kLanes - here));
+    switch (registers) {
+      case 1:
+        ScanTile<1>(tile, *packed, first_register, last_valid);
+        break;
+      case 2:
+        ScanTile<2>(tile, *packed, first_register, last_valid);
+        break;
+      case 3:
+        ScanTile<3>(tile, *packed, first_register, last_valid);
+        break;
+      default:
+        ScanTile<4>(tile, *packed, first_register, last_valid);
+    }
+    count -= here;
+  }
+}
+
+/// vpdpbusd multiplies unsigned by signed bytes, so entries are stored minus 128; the difference,
+/// 128 times the sum of the query, starts the accumulators.
+class Kernel {
+ public:
+  static constexpr std::size_t kLanes = internal::kLanes;
+  static constexpr std::size_t kTileQueries = internal::kTileQueries;
+  static constexpr std::size_t kBlockEntries = kTileEntries * kBlockTiles;
+
+  explicit Kernel(std::span<const Descriptor> queries) : queries_(queries) {
+    offsets_.reserve(queries.size());
+    for (const Descriptor& query : queries) offsets_.push_back(128 * Sum(query));
+  }
+
+  void Pack(std::span<const Descriptor> database, std::span<const std::uint32_t> entries) {
+    for (std::size_t e = 0; e < entries.size(); ++e) {
+      PackedTile& tile = tiles_[e / kTileEntries];
+      for (std::size_t k = 0; k < kSteps; ++k) {
+        std::uint32_t four;
+        std::memcpy(&four, database[entries[e]].data() + 4 * k, 4);
+        four ^= 0x80808080U;
+        std::memcpy(tile[k][e / kLanes % kTileRegisters][e % kLanes], &four, 4);
+      }
+    }
+  }
+
+  void Scan(const std::uint32_t (&queries)[kTileQueries], std::int32_t first_register,
+            std::size_t entry_count, LaneState<kLanes>* const (&states)[kTileQueries]) const {
+    Tile tile;
+    for (std::size_t q = 0; q < kTileQueries; ++q) {
+      tile.queries[q] = queries_[queries[q]].data();
+      tile.offsets[q] = offsets_[queries[q]];
+      tile.states[q] = states[q];
+    }
+    ScanEntries(tile, tiles_, first_register, entry_count);
+  }
+
+ private:
+  std::span<const Descriptor> queries_;
+  std::vector<std::int32_t> offsets_;
+  alignas(64) PackedTile tiles_[kBlockTiles] = {};
+};
 
 }  // namespace
 
 std::vector<NearestTwo> FindNearestTwoVnni(std::span<const Descriptor> queries,
-                                           std::span<const Descriptor> database) {
-  const std::size_t padded = (queries.size() + kTileQueries - 1) / kTileQueries * kTileQueries;
-  std::vector<State> states(padded);
-  std::vector<std::int32_t> offsets(padded);
-  for (std::size_t q = 0; q < queries.size(); ++q) offsets[q] = 128 * Sum(queries[q]);
-  PackedBlock block{};
-  for (std::size_t d = 0; d < database.size(); d += kBlockEntries) {
-    const auto entries = database.subspan(d, std::min(kBlockEntries, database.size() - d));
-    Pack(entries, block);
-    for (std::size_t q = 0; q < queries.size(); q += kTileQueries) {
-      const Descriptor* tile[kTileQueries];
-      std::int32_t tile_offsets[kTileQueries];
-      for (std::size_t i = 0; i < kTileQueries; ++i) {
-        tile[i] = &queries[std::min(q + i, queries.size() - 1)];
-        tile_offsets[i] = offsets[q + i];
-      }
-      Scan(tile, tile_offsets, block, entries.size(), static_cast<std::int32_t>(d / kLanes),
-           &states[q]);
-    }
-  }
-  return MergeLanes<kLanes>(states, queries.size());
+                                           std::span<const Descriptor> database,
+                                           const SearchCells& cells) {
+  return SearchInCells<Kernel>(queries, database, cells);
 }
 
 }  // namespace waymark::mapping::internal
@@ -138,8 +175,8 @@ std::vector<NearestTwo> FindNearestTwoVnni(std::span<const Descriptor> queries,
 
 namespace waymark::mapping::internal {
 
-std::vector<NearestTwo> FindNearestTwoVnni(std::span<const Descriptor>,
-                                           std::span<const Descriptor>) {
+std::vector<NearestTwo> FindNearestTwoVnni(std::span<const Descriptor>, std::span<const Descriptor>,
+                                           const SearchCells&) {
   std::abort();  // never listed as supported
 }
 

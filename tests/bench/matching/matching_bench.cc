@@ -8,6 +8,7 @@
 
 #include "mapping/matching/candidate_pairs.h"
 #include "mapping/matching/descriptor_matching.h"
+#include "mapping/matching/image_matcher.h"
 #include "mapping/matching/internal/nearest_two_kernels.h"
 #include "tests/mapping/matching/random_descriptors.h"
 
@@ -27,7 +28,8 @@ void CountDots(benchmark::State& state) {
 
 void Kernel(benchmark::State& state, const internal::NearestTwoKernel& kernel) {
   const auto queries = Descriptors(state.range(0), 1), database = Descriptors(state.range(1), 2);
-  for (auto _ : state) benchmark::DoNotOptimize(kernel.find(queries, database));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(internal::FindNearestTwo(kernel, queries, database));
   CountDots(state);
 }
 
@@ -54,6 +56,19 @@ void MatchTwoImages(benchmark::State& state) {
     second[i] = Disturbed(first[i % first.size()], 8, random);
   }
   for (auto _ : state) benchmark::DoNotOptimize(MatchDescriptors(first, second, {}));
+  CountDots(state);
+}
+
+/// Without the sorting into cells, which an image needs once and not for every pair.
+void MatchInCells(benchmark::State& state) {
+  std::mt19937 random(3);
+  const auto first = Descriptors(state.range(0), 1);
+  auto second = Descriptors(state.range(1), 2);
+  for (std::size_t i = 0; i < second.size(); i += 6) {
+    second[i] = Disturbed(first[i % first.size()], 8, random);
+  }
+  const ImageMatcher matcher({first, second}, {}, {.exhaustive_below = 0}, {.threads = 1});
+  for (auto _ : state) benchmark::DoNotOptimize(matcher.Match({0, 1}));
   CountDots(state);
 }
 
@@ -84,6 +99,7 @@ int main(int argc, char** argv) {
   benchmark::RegisterBenchmark("OpenCV float", OpenCvBruteForce, CV_32F)->Apply(Sizes);
   benchmark::RegisterBenchmark("OpenCV bytes", OpenCvBruteForce, CV_8U)->Apply(Sizes);
   benchmark::RegisterBenchmark("MatchDescriptors", MatchTwoImages)->Apply(Sizes);
+  benchmark::RegisterBenchmark("MatchInCells", MatchInCells)->Apply(Sizes);
   benchmark::RegisterBenchmark("PairsByAppearance", PairsByAppearance)
       ->Arg(100)
       ->Unit(benchmark::kMillisecond);

@@ -124,6 +124,46 @@ TEST(SelectCandidatePairs, AnotherPassIsNotCrowdedOutByTheSequence) {
   }
 }
 
+/// Frames of one camera, 1 m apart, 100 ms apart.
+std::vector<PairingImage> Video(std::size_t count) {
+  auto images = Drive("a", count, 0, 1);
+  for (std::size_t i = 0; i < count; ++i) {
+    images[i].time = FromNanoseconds<SensorTime>(static_cast<std::int64_t>(i) * 100'000'000);
+  }
+  return images;
+}
+
+TEST(SelectCandidatePairs, FramesOfAVideoArePairedAsSuccessorsOnly) {
+  PairingOptions options{.sequential_neighbours = 3};
+  for (const std::size_t count : {std::size_t{30}, std::size_t{90}}) {  // few, many
+    const auto images = Video(count);
+    const auto pairs = SelectCandidatePairs(images, options);
+    EXPECT_EQ(pairs, SelectCandidatePairs(images, With(&PairingOptions::sequential_neighbours, 3)));
+  }
+  options.video_s = 0;
+  EXPECT_THAT(SelectCandidatePairs(Video(30), options), SizeIs(30 * 29 / 2));
+}
+
+TEST(SelectCandidatePairs, WhoComesBackLaterIsPairedBySpace) {
+  auto images = Video(130);
+  for (std::size_t i = 120; i < 130; ++i) images[i].gnss_in_map = images[i - 120].gnss_in_map;
+  PairingOptions options{.sequential_neighbours = 3, .spatial_neighbours = 5};
+  const auto pairs = SelectCandidatePairs(images, options);
+  for (std::uint32_t i = 0; i < 10; ++i) EXPECT_THAT(pairs, Contains(ImagePair{i, i + 120}));
+}
+
+TEST(SelectCandidatePairs, PhotosAndBareNumbersForTimesAreNoVideo) {
+  auto images = Video(30);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    images[i].time = FromNanoseconds<SensorTime>(static_cast<std::int64_t>(i) * 2'000'000'000);
+  }
+  EXPECT_THAT(SelectCandidatePairs(images, {}), SizeIs(30 * 29 / 2));
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    images[i].time = FromNanoseconds<SensorTime>(static_cast<std::int64_t>(i));
+  }
+  EXPECT_THAT(SelectCandidatePairs(images, {}), SizeIs(30 * 29 / 2));
+}
+
 TEST(SelectCandidatePairs, TheSamePlaceIsFoundByItsLook) {
   constexpr std::uint32_t kPlaces = 12;
   Places places(kPlaces);
@@ -207,6 +247,7 @@ TEST(PairingOptions, RefusesNegativeNumbers) {
   EXPECT_TRUE(kNothing.Validate().ok());
   EXPECT_FALSE(With(&PairingOptions::retrieval_neighbours, -1).Validate().ok());
   EXPECT_FALSE(PairingOptions{.spatial_radius_m = std::nan("")}.Validate().ok());
+  EXPECT_FALSE(PairingOptions{.video_s = -1}.Validate().ok());
 }
 
 }  // namespace

@@ -49,12 +49,46 @@ TEST(NearestTwoKernels, EachFollowsTheDefinition) {
       for (const std::size_t query_count : {0, 1, 3, 4, 5, 9}) {
         const auto queries = RandomBytes(query_count, random);
         const auto database = RandomBytes(database_size, random);
-        const auto found = kernel.find(queries, database);
+        const auto found = internal::FindNearestTwo(kernel, queries, database);
         ASSERT_EQ(found.size(), query_count);
         for (std::size_t q = 0; q < query_count; ++q) {
           ExpectSame(found[q], NearestByDefinition(queries[q], database));
         }
       }
+    }
+  }
+}
+
+TEST(NearestTwoKernels, QueriesSeeTheEntriesOfTheirCellsOnly) {
+  std::mt19937 random(20);
+  const auto queries = RandomBytes(60, random), database = RandomBytes(400, random);
+  // Cells of many sizes, two of them empty; each query is in three cells, one of no query.
+  std::vector<std::uint32_t> entry_begins{0, 1, 1, 17, 90, 300, 300}, entries(300);
+  for (std::uint32_t i = 0; i < entries.size(); ++i) entries[i] = 7 * i % 400;
+  std::vector<std::uint32_t> query_begins{0}, cell_queries;
+  for (std::uint32_t cell = 0; cell < 6; ++cell) {
+    for (std::uint32_t q = 0; q < queries.size(); ++q) {
+      if ((q + cell) % 2 == 0 && cell != 3) cell_queries.push_back(q);
+    }
+    query_begins.push_back(static_cast<std::uint32_t>(cell_queries.size()));
+  }
+  for (const auto& kernel : internal::SupportedNearestTwoKernels()) {
+    SCOPED_TRACE(kernel.name);
+    const auto found =
+        kernel.find(queries, database, {query_begins, cell_queries, entry_begins, entries});
+    for (std::uint32_t q = 0; q < queries.size(); ++q) {
+      std::vector<Descriptor> seen;
+      std::vector<std::uint32_t> numbers;
+      for (std::uint32_t cell = 0; cell < 6; ++cell) {
+        if ((q + cell) % 2 != 0 || cell == 3) continue;
+        for (std::uint32_t i = entry_begins[cell]; i < entry_begins[cell + 1]; ++i) {
+          seen.push_back(database[entries[i]]);
+          numbers.push_back(entries[i]);
+        }
+      }
+      NearestTwo expected = NearestByDefinition(queries[q], seen);
+      if (!seen.empty()) expected.first = numbers[expected.first];
+      ExpectSame(found[q], expected);
     }
   }
 }
@@ -70,7 +104,7 @@ TEST(NearestTwoKernels, AgreeOnExtremeValues) {
   }
   for (const auto& kernel : internal::SupportedNearestTwoKernels()) {
     SCOPED_TRACE(kernel.name);
-    const auto found = kernel.find(extremes, extremes);
+    const auto found = internal::FindNearestTwo(kernel, extremes, extremes);
     for (std::size_t q = 0; q < extremes.size(); ++q) {
       ExpectSame(found[q], NearestByDefinition(extremes[q], extremes));
     }
@@ -89,7 +123,7 @@ TEST(NearestTwoKernels, TiesGoToTheLowerIndex) {
           place == 499 ? NearestByDefinition(query, database).first_dot
                        : std::inner_product(query.begin(), query.end(), query.begin(), 0);
       database[place] = query;  // one more copy, before all others
-      const auto found = kernel.find(std::span(&query, 1), database);
+      const auto found = internal::FindNearestTwo(kernel, std::span(&query, 1), database);
       EXPECT_EQ(found[0].first, place);
       EXPECT_EQ(found[0].second_dot, second_dot);
     }
@@ -103,7 +137,8 @@ TEST(NearestTwoKernels, DoNotDependOnAlignment) {
   const std::span unaligned(reinterpret_cast<const Descriptor*>(storage.data() + 1), 41);
   const std::vector<Descriptor> aligned(unaligned.begin(), unaligned.end());
   for (const auto& kernel : internal::SupportedNearestTwoKernels()) {
-    const auto a = kernel.find(aligned, aligned), b = kernel.find(unaligned, unaligned);
+    const auto a = internal::FindNearestTwo(kernel, aligned, aligned);
+    const auto b = internal::FindNearestTwo(kernel, unaligned, unaligned);
     for (std::size_t q = 0; q < a.size(); ++q) ExpectSame(a[q], b[q]);
   }
 }
@@ -115,7 +150,7 @@ TEST(NearestTwoKernels, TheLastIsPortableAndTheFirstIsUsed) {
   std::mt19937 random(5);
   const auto queries = RandomRootSift(50, random), database = RandomRootSift(70, random);
   const auto found = FindNearestTwo(queries, database);
-  const auto expected = kernels.front().find(queries, database);
+  const auto expected = internal::FindNearestTwo(kernels.front(), queries, database);
   for (std::size_t q = 0; q < found.size(); ++q) ExpectSame(found[q], expected[q]);
 }
 
