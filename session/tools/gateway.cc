@@ -24,7 +24,8 @@ void ParseArguments(CLI::App& app, Arguments& arguments) {
   GatewayOptions& options = arguments.gateway;
   app.footer(
       "Examples:\n"
-      "  waymark-gateway --port 8443 --certificate chain.pem --key key.pem\n"
+      "  waymark-gateway --listen 0.0.0.0 --port 8443 --certificate chain.pem --key key.pem \\\n"
+      "                  --security KEYS\n"
       "  waymark-gateway --listen 127.0.0.1 --port 8080           without TLS, for trials\n"
       "Phones then join wss://HOST:8443 or ws://127.0.0.1:8080 (waymark-phone --server).");
   app.add_option("--listen", options.listen.address, "address that phones connect to")
