@@ -188,7 +188,8 @@ void LiveSession::On(const wire::DeviceLink::Event& event) {
     return std::visit([this](const auto& content) { On(content); }, *message);
   }
   join_.Restart(std::chrono::steady_clock::now());
-  images_.Abandon();  // a newer one is better than one that may never be answered
+  view_.BeginResync();  // what ended meanwhile is not told
+  images_.Abandon();    // a newer one is better than one that may never be answered
 }
 
 void LiveSession::On(const Welcome& welcome) {
