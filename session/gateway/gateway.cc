@@ -38,7 +38,7 @@ class Gateway::Hub {
   Hub(const GatewayOptions& options, dds::Participant participant)
       : options_(options),
         participant_(std::make_shared<dds::Participant>(std::move(participant))),
-        gate_(options.door),
+        gate_(options.door, options.max_joins_per_s),
         loop_(options.threads),
         rooms_(participant_, options.relay, loop_) {}
 

@@ -21,6 +21,7 @@ struct GatewayOptions {
   std::size_t max_phones = 4000;             ///< at once; further ones are sent away, >= 1
   double max_messages_per_s = 300;           ///< of a phone; what is beyond is dropped, > 0
   double max_bytes_per_s = 8 * 1024 * 1024;  ///< of a phone, > 0
+  double max_joins_per_s = 50;  ///< of an address, a festival behind one; ten seconds' at once, > 0
   /// A phone whose connection broke stays for the others for so long; it may come back meanwhile,
   /// from any address.
   std::chrono::milliseconds linger{2500};

@@ -16,11 +16,12 @@ Result<void> GatewayOptions::Validate() const {
                      "gateway: expected threads and phones >= 1, found {} and {}", threads,
                      max_phones);
   }
-  if (!(max_messages_per_s > 0) || !(max_bytes_per_s > 0) || linger.count() < 0) {
+  if (!(max_messages_per_s > 0) || !(max_bytes_per_s > 0) || !(max_joins_per_s > 0) ||
+      linger.count() < 0) {
     return MakeError(ErrorCode::kInvalidArgument,
                      "gateway: expected limits > 0 and linger >= 0, found {} messages/s, {} "
-                     "bytes/s and {} ms",
-                     max_messages_per_s, max_bytes_per_s, linger.count());
+                     "bytes/s, {} joins/s and {} ms",
+                     max_messages_per_s, max_bytes_per_s, max_joins_per_s, linger.count());
   }
   return relay.Validate();
 }

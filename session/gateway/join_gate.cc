@@ -6,7 +6,7 @@
 namespace waymark::session::internal {
 namespace {
 
-constexpr double kJoins = 500, kJoinsPerS = 50;  // a festival behind one address
+constexpr double kJoinSeconds = 10;  // whose joins may come at once
 constexpr double kFailures = 10, kFailuresPerS = 0.1;
 constexpr std::size_t kMaxVisitors = 10'000;
 constexpr std::chrono::minutes kMemory{2};  // by then both allowances are full again
@@ -21,11 +21,12 @@ JoinGate::Visitor& JoinGate::VisitorOf(const std::string& peer, Instant now) {
   }
   // More at once than are remembered share what is left to one.
   const bool is_crowded = visitors_.size() >= kMaxVisitors && !visitors_.contains(address);
-  const auto [entry, is_new] =
-      visitors_.try_emplace(is_crowded ? "" : address, Visitor{kJoins, kFailures, now});
+  const auto [entry, is_new] = visitors_.try_emplace(
+      is_crowded ? "" : address, Visitor{kJoinSeconds * joins_per_s_, kFailures, now});
   Visitor& visitor = entry->second;
   const double elapsed_s = std::max(0.0, Seconds(now - visitor.seen));
-  visitor.joins_left = std::min(kJoins, visitor.joins_left + kJoinsPerS * elapsed_s);
+  visitor.joins_left =
+      std::min(kJoinSeconds * joins_per_s_, visitor.joins_left + joins_per_s_ * elapsed_s);
   visitor.failures_left = std::min(kFailures, visitor.failures_left + kFailuresPerS * elapsed_s);
   visitor.seen = now;
   return visitor;

@@ -20,8 +20,9 @@ class JoinGate {
  public:
   using Instant = std::chrono::steady_clock::time_point;
 
-  /// Without a door everybody may pass, at the pace of the addresses.
-  explicit JoinGate(std::shared_ptr<keys::TokenDoor> door) : door_(std::move(door)) {}
+  /// Without a door everybody may pass, at the pace of the addresses: ten seconds' joins at once.
+  explicit JoinGate(std::shared_ptr<keys::TokenDoor> door, double joins_per_s = 50)
+      : door_(std::move(door)), joins_per_s_(joins_per_s) {}
 
   /// Why not; nothing when it may. `peer` is "ADDRESS:PORT".
   std::optional<std::string> FindObjection(const Hello& hello, const std::string& peer,
@@ -36,6 +37,7 @@ class JoinGate {
   Visitor& VisitorOf(const std::string& peer, Instant now);  // with mutex_ held
 
   const std::shared_ptr<keys::TokenDoor> door_;
+  const double joins_per_s_;
   std::mutex mutex_;
   std::map<std::string, Visitor> visitors_;  // guarded by mutex_; by address
   Instant refreshed_;                        // guarded by mutex_

@@ -50,6 +50,9 @@ void ParseArguments(CLI::App& app, Arguments& arguments) {
   app.add_option("--max-messages", options.max_messages_per_s,
                  "of a phone in a second; what is beyond is dropped")
       ->capture_default_str();
+  app.add_option("--max-joins", options.max_joins_per_s,
+                 "of an address in a second, ten times as many at once; others are sent away")
+      ->capture_default_str();
 }
 
 /// A door that others can reach is not left open by oversight.

@@ -52,7 +52,8 @@ int RunServer() {
 }
 
 int RunGateway(int domain) {
-  const auto gateway = session::Gateway::Start({.dds = {.domain = domain}});
+  const auto gateway =
+      session::Gateway::Start({.dds = {.domain = domain}, .max_joins_per_s = 1000});
   if (!gateway) return 1;
   fmt::print("{}\n", (*gateway)->port());
   std::fflush(stdout);
