@@ -81,6 +81,7 @@ void Print(const Row& row) {
 
 void PrintGrowth(const std::vector<Row>& rows) {
   for (const auto& [layout, of_layout] : ByLayout(rows)) {
+    if (of_layout.size() < 2) continue;  // no growth in one
     const auto fit = [&](double Row::*figure) {
       std::vector<std::pair<double, double>> points;
       for (const Row& row : of_layout) points.emplace_back(row.phones, row.*figure);
