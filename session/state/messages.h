@@ -147,7 +147,7 @@ struct LocaliseQuery {
   CameraModel camera;
   std::optional<GeoPrior> prior;
   std::optional<Eigen::Vector3d> up_in_camera;
-  std::vector<std::uint8_t> image;  ///< JPEG
+  std::vector<std::uint8_t> image;  ///< JPEG, or encoded features
 };
 
 enum class LocaliseStatus : std::uint8_t {
