@@ -8,6 +8,7 @@
 #include "session/server/localise_pool.h"
 #include "session/state/carrying.h"
 #include "session/wire/inbox.h"
+#include "tests/support/localise_query.h"
 #include "tests/support/random_geometry.h"
 
 namespace waymark::session {
@@ -40,17 +41,6 @@ TEST(Inbox, ClosingEndsTheWait) {
 }
 
 // ---- localisation queue -----------------------------------------------------------------------
-
-LocaliseQuery Query(std::uint32_t request) {
-  const std::array<double, 3> parameters{1, 1, 1};
-  return {.ticket = {},
-          .request = RequestNumber{request},
-          .time = {},
-          .camera = *CameraModel::Create(CameraKind::kSimplePinhole, 2, 2, parameters),
-          .prior = std::nullopt,
-          .up_in_camera = std::nullopt,
-          .image = {1}};
-}
 
 /// Collects answers.
 class Pool : public testing::Test {
@@ -85,12 +75,12 @@ TEST_F(Pool, TheNewestImageOfADeviceWinsAndAFullQueueSaysBusy) {
         return localiser::Localisation{};
       },
       [this](LocaliseAnswer answer) { Deliver(std::move(answer)); });
-  pool.Submit(anna_, Query(1));
+  pool.Submit(anna_, support::TinyQuery(1));
   AwaitEntry();
-  pool.Submit(ben_, Query(2));
-  pool.Submit(cleo_, Query(3));
-  pool.Submit(ben_, Query(4));   // takes the place of 2
-  pool.Submit(dora_, Query(5));  // no place left
+  pool.Submit(ben_, support::TinyQuery(2));
+  pool.Submit(cleo_, support::TinyQuery(3));
+  pool.Submit(ben_, support::TinyQuery(4));   // takes the place of 2
+  pool.Submit(dora_, support::TinyQuery(5));  // no place left
   const auto refused = Answers(2);
   ASSERT_THAT(refused, SizeIs(2));
   EXPECT_EQ(refused[0].request, RequestNumber{2});
@@ -114,7 +104,7 @@ TEST_F(Pool, AnImageThatWaitedTooLongIsNotLookedAt) {
         return localiser::Localisation{};
       },
       [this](LocaliseAnswer answer) { Deliver(std::move(answer)); });
-  pool.Submit(anna_, Query(1));
+  pool.Submit(anna_, support::TinyQuery(1));
   const auto answers = Answers(1);
   ASSERT_THAT(answers, SizeIs(1));
   EXPECT_EQ(answers[0].status, LocaliseStatus::kBusy);
@@ -129,7 +119,7 @@ TEST_F(Pool, AnImageThatIsNoneIsTheDevicesFault) {
         return MakeError(ErrorCode::kCorrupt, "no JPEG");
       },
       [this](LocaliseAnswer answer) { Deliver(std::move(answer)); });
-  pool.Submit(anna_, Query(1));
+  pool.Submit(anna_, support::TinyQuery(1));
   const auto answers = Answers(1);
   ASSERT_THAT(answers, SizeIs(1));
   EXPECT_EQ(answers[0].status, LocaliseStatus::kInvalidImage);

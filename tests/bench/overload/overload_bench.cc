@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "session/server/localise_pool.h"
+#include "tests/support/localise_query.h"
 
 namespace waymark::session {
 namespace {
@@ -34,17 +35,6 @@ struct Tally {
   std::vector<double> wait_ms = {};  ///< how long it waited for its answer
 };
 
-LocaliseQuery Query(std::uint32_t request) {
-  const std::array<double, 3> parameters{1, 1, 1};
-  return {.ticket = {},
-          .request = RequestNumber{request},
-          .time = {},
-          .camera = *CameraModel::Create(CameraKind::kSimplePinhole, 2, 2, parameters),
-          .prior = std::nullopt,
-          .up_in_camera = std::nullopt,
-          .image = {1}};
-}
-
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -55,13 +45,12 @@ double Quantile(std::vector<double> values, double share) {
 /// processor: what is measured is the queue, whatever else the machine does.
 Tally Offer(const Flags& flags, double load) {
   std::mutex mutex;
-  Tally tally;                         // guarded by mutex
-  std::vector<Clock::time_point> sent; // guarded by mutex; by request
+  Tally tally;                          // guarded by mutex
+  std::vector<Clock::time_point> sent;  // guarded by mutex; by request
   const auto deliver = [&](const LocaliseAnswer& answer) {
     const auto now = Clock::now();
     const std::lock_guard lock(mutex);
-    const double waited_ms =
-        1e3 * Seconds(now - sent[static_cast<std::size_t>(answer.request)]);
+    const double waited_ms = 1e3 * Seconds(now - sent[static_cast<std::size_t>(answer.request)]);
     if (answer.status == LocaliseStatus::kBusy) {
       ++tally.busy;
       tally.busy_ms.push_back(waited_ms);
@@ -78,21 +67,22 @@ Tally Offer(const Flags& flags, double load) {
   const double capacity_hz = 1e3 * flags.threads / flags.service_ms;
   const auto phones = std::max(1, static_cast<int>(load * capacity_hz / flags.rate_hz + 0.5));
   {
-    LocalisePool pool({.threads = flags.threads,
-                       .max_wait = std::chrono::duration<double>(flags.deadline_s)},
-                      localise, deliver);
+    LocalisePool pool(
+        {.threads = flags.threads, .max_wait = std::chrono::duration<double>(flags.deadline_s)},
+        localise, deliver);
     const auto begin = Clock::now();
     const auto images = static_cast<int>(flags.seconds * load * capacity_hz);
     for (int i = 0; i < images; ++i) {
-      std::this_thread::sleep_until(
-          begin + std::chrono::duration_cast<Clock::duration>(
-                      std::chrono::duration<double>(i / (load * capacity_hz))));
+      std::this_thread::sleep_until(begin +
+                                    std::chrono::duration_cast<Clock::duration>(
+                                        std::chrono::duration<double>(i / (load * capacity_hz))));
       {
         const std::lock_guard lock(mutex);
         sent.push_back(Clock::now());
         ++tally.sent;
       }
-      pool.Submit(DeviceId(std::to_string(i % phones)), Query(static_cast<std::uint32_t>(i)));
+      pool.Submit(DeviceId(std::to_string(i % phones)),
+                  support::TinyQuery(static_cast<std::uint32_t>(i)));
     }
   }
   const std::lock_guard lock(mutex);
@@ -100,10 +90,10 @@ Tally Offer(const Flags& flags, double load) {
 }
 
 void Run(const Flags& flags) {
-  fmt::print("{} threads, an image takes {} ms: {:.0f} a second at most; an answer counts within "
-             "{} s\n",
-             flags.threads, flags.service_ms, 1e3 * flags.threads / flags.service_ms,
-             flags.deadline_s);
+  fmt::print(
+      "{} threads, an image takes {} ms: {:.0f} a second at most; an answer counts within "
+      "{} s\n",
+      flags.threads, flags.service_ms, 1e3 * flags.threads / flags.service_ms, flags.deadline_s);
   fmt::print("{:>5} {:>7} {:>9} {:>8} {:>6} {:>16} {:>16}\n", "load", "sent/s", "in time/s",
              "of peak", "late", "answer p50, p99", "busy p50, p99");
   double peak_hz = 0;
@@ -111,8 +101,8 @@ void Run(const Flags& flags) {
     const Tally tally = Offer(flags, load);
     const double good_hz = tally.in_time / flags.seconds;
     peak_hz = std::max(peak_hz, good_hz);
-    fmt::print("{:5.1f} {:7.1f} {:9.1f} {:7.0f}% {:6} {:7.0f} {:5.0f} ms {:7.2f} {:5.1f} ms\n", load,
-               tally.sent / flags.seconds, good_hz, 100 * good_hz / peak_hz,
+    fmt::print("{:5.1f} {:7.1f} {:9.1f} {:7.0f}% {:6} {:7.0f} {:5.0f} ms {:7.2f} {:5.1f} ms\n",
+               load, tally.sent / flags.seconds, good_hz, 100 * good_hz / peak_hz,
                tally.answered - tally.in_time, Quantile(tally.wait_ms, 0.5),
                Quantile(tally.wait_ms, 0.99), Quantile(tally.busy_ms, 0.5),
                Quantile(tally.busy_ms, 0.99));
@@ -131,8 +121,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--deadline", flags.deadline_s, "seconds")->capture_default_str();
   app.add_option("--seconds", flags.seconds, "of each load")->capture_default_str();
-  app.add_option("--rate", flags.rate_hz, "images a phone sends per second")
-      ->capture_default_str();
+  app.add_option("--rate", flags.rate_hz, "images a phone sends per second")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   waymark::session::Run(flags);
   return 0;
