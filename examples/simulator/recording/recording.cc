@@ -16,6 +16,9 @@ SensorTime AnyStart(Random& random) {
   return FromNanoseconds<SensorTime>(std::int64_t{1'000'000'000} * random.Integer(100, 90'000));
 }
 
+/// Cameras on cars have lenses and pixels that gather more light.
+constexpr double kCarShutter = 0.15;
+
 void SortByTime(std::vector<Shot>& shots) {
   std::stable_sort(shots.begin(), shots.end(),
                    [](const Shot& a, const Shot& b) { return a.time_s < b.time_s; });
@@ -25,6 +28,16 @@ void SortByTime(std::vector<Shot>& shots) {
 
 Rigid3 Recording::WorldFromCamera(const Shot& shot) const {
   return travel.motion.WorldFromBody(shot.time_s) * cameras[shot.camera].body_from_camera;
+}
+
+CameraMotion Recording::MotionOf(const Shot& shot) const {
+  const Motion& motion = travel.motion;
+  const Rigid3& body_from_camera = cameras[shot.camera].body_from_camera;
+  const Eigen::Vector3d turning = motion.AngularVelocityInBody(shot.time_s);
+  const Eigen::Vector3d lever = turning.cross(body_from_camera.translation());
+  const Eigen::Quaterniond world_from_body = motion.WorldFromBody(shot.time_s).rotation();
+  return {motion.VelocityInWorld(shot.time_s) + world_from_body * lever,
+          body_from_camera.rotation().conjugate() * turning, odometry.empty() ? kCarShutter : 1};
 }
 
 Result<void> CarOptions::Validate() const {

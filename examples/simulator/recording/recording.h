@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "examples/simulator/motion/travel.h"
+#include "examples/simulator/render/exposure.h"
 #include "examples/simulator/sensors/inertial.h"
 #include "examples/simulator/sensors/odometry.h"
 #include "examples/simulator/sensors/rig.h"
@@ -34,6 +35,7 @@ struct Recording {
   std::vector<OdometrySample> odometry;  ///< phones only
 
   Rigid3 WorldFromCamera(const Shot& shot) const;
+  CameraMotion MotionOf(const Shot& shot) const;
 };
 
 /// What a car with cameras records.

@@ -98,8 +98,9 @@ Result<void> DrawPictures(const City& city, const SimulationOptions& options,
     const SimulatedRecording& simulated = recordings[index];
     const Shot& shot = simulated.recording.shots[shot_index];
     const Renderer& renderer = renderers[index];
-    Radiance radiance = renderer.Render(rays[index], simulated.recording.WorldFromCamera(shot),
-                                        options.picture.antialiasing);
+    Radiance radiance =
+        RenderExposure(renderer, rays[index], simulated.recording.WorldFromCamera(shot),
+                       simulated.recording.MotionOf(shot), options.picture.antialiasing);
     const Random stream = RecordingStream(options, index).Fork(100 + shot_index);
     AddRain(renderer.lighting().rain, stream.Fork(1), radiance);
     const ColourImage image =

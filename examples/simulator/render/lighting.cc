@@ -35,6 +35,7 @@ Lighting LowSun(Angle azimuth_from_north) {
           .clouds = 0.2F,
           .longest_gain = 3,
           .noise = 2,
+          .exposure_s = 1.0 / 250,
           .glare = 1};
 }
 
@@ -74,7 +75,8 @@ Lighting MakeLighting(LightPreset preset, Random random) {
               .zenith = {105, 150, 215},
               .clouds = 0.25F,
               .longest_gain = 3,
-              .noise = 1.6F};
+              .noise = 1.6F,
+              .exposure_s = 1.0 / 500};
     case LightPreset::kOvercast:
       return {.to_sun = {0, 0, 1},
               .sun = {0, 0, 0},
@@ -83,7 +85,8 @@ Lighting MakeLighting(LightPreset preset, Random random) {
               .zenith = {170, 176, 184},
               .clouds = 0.15F,
               .longest_gain = 3,
-              .noise = 2.2F};
+              .noise = 2.2F,
+              .exposure_s = 1.0 / 250};
     case LightPreset::kRain:
       return {.to_sun = {0, 0, 1},
               .sun = {0, 0, 0},
@@ -94,6 +97,7 @@ Lighting MakeLighting(LightPreset preset, Random random) {
               .window_light = 0.3F,
               .longest_gain = 3,
               .noise = 3,
+              .exposure_s = 1.0 / 120,
               .wetness = 1,
               .rain = 1,
               .haze_per_m = 0.005F};
@@ -110,17 +114,20 @@ Lighting MakeLighting(LightPreset preset, Random random) {
               .clouds = 0.3F,
               .window_light = 0.5F,
               .longest_gain = 3,
-              .noise = 3.2F};
+              .noise = 3.2F,
+              .exposure_s = 1.0 / 80};
     case LightPreset::kNight:
       return {.to_sun = SunAt(Angle::Degrees(200) + hour, Angle::Degrees(40)),
-              .sun = {0.015F, 0.016F, 0.02F},
-              .sky = {0.028F, 0.027F, 0.03F},
+              .sun = {0.004F, 0.004F, 0.005F},
+              .sky = {0.011F, 0.0105F, 0.012F},
+              .lamp = {3.2F, 2.5F, 1.6F},
               .horizon = {40, 36, 34},
               .zenith = {12, 13, 20},
               .clouds = 0,
               .window_light = 0.9F,
               .longest_gain = 2.4F,
-              .noise = 7};
+              .noise = 7,
+              .exposure_s = 1.0 / 20};
   }
   return {};
 }

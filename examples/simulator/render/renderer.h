@@ -94,6 +94,8 @@ class Renderer {
   void AddGlare(const ViewRays& rays, const Rigid3& world_from_camera, Radiance& image) const;
   Eigen::Vector3f Illuminate(const Eigen::Vector3d& place, const Eigen::Vector3d& normal,
                              bool is_in_shadow) const;
+  /// Of all street lamps that are near and not hidden.
+  Eigen::Vector3f LampLight(const Eigen::Vector3d& place, const Eigen::Vector3d& normal) const;
   Eigen::Vector3f SkyColour(const Eigen::Vector3d& direction) const;
 
   const City* city_;

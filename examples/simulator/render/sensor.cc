@@ -6,8 +6,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "examples/simulator/render/denoise.h"
+
 namespace waymark::simulator {
 namespace {
+
+constexpr float kVisibleNoise = 5;  // levels; cameras leave less as it is
 
 /// Normal deviates to draw from by index: a Box-Muller per channel would cost as much as shading.
 const std::array<float, 65536>& NormalTable() {
@@ -42,7 +46,7 @@ ColourImage Expose(const Radiance& radiance, const Lighting& lighting, const Sen
     const float noisy = value + sigma * normals[bits & 0xffff];
     image.values.push_back(static_cast<std::uint8_t>(std::clamp(noisy + 0.5F, 0.0F, 255.0F)));
   }
-  return image;
+  return read_noise > kVisibleNoise ? Denoise(image, read_noise) : image;
 }
 
 }  // namespace waymark::simulator

@@ -15,7 +15,7 @@ struct SensorOptions {
 };
 
 /// Automatic exposure within the lighting's bounds, then noise that grows with gain and brightness,
-/// clipped to 8 bits. Deterministic in the seed.
+/// clipped to 8 bits; much noise is smoothed away again (denoise.h). Deterministic in the seed.
 ColourImage Expose(const Radiance& radiance, const Lighting& lighting, const SensorOptions& options,
                    Random random);
 

@@ -13,6 +13,9 @@ using Eigen::Vector3d;
 using Eigen::Vector3f;
 
 constexpr float kGamma = 2.2F;
+constexpr double kLampReach = 25;   // metres; beyond it a lamp gives less than the night's sky
+constexpr double kLampHead = 0.5;   // metres; a lamp does not stand in its own light
+constexpr double kLampLift = 0.01;  // metres off the surface
 
 Vector3f ToLinear(const Vector3f& display) {
   return (display / 255).array().max(0.0F).pow(kGamma).matrix();
@@ -55,7 +58,22 @@ Vector3f Renderer::Illuminate(const Vector3d& place, const Vector3d& normal,
   if (!is_in_shadow) {
     light += static_cast<float>(std::max(0.0, normal.dot(lighting_.to_sun))) * lighting_.sun;
   }
+  if (lighting_.lamp.maxCoeff() > 0) light += LampLight(place, normal);
   return light;
+}
+
+Vector3f Renderer::LampLight(const Vector3d& place, const Vector3d& normal) const {
+  double sum = 0;
+  for (const Vector3d& lamp : city_->lamps) {
+    const Vector3d to_lamp = lamp - place;
+    const double distance = to_lamp.norm();
+    const double facing = normal.dot(to_lamp) / distance;
+    if (distance > kLampReach || facing <= 0) continue;
+    const double clear = std::max(0.0, distance - kLampHead);
+    if (scene_.IsBlocked(place + kLampLift * normal, to_lamp / distance, clear)) continue;
+    sum += facing / (distance * distance);
+  }
+  return static_cast<float>(sum) * lighting_.lamp;
 }
 
 Vector3f Renderer::Wet(const Vector3f& dry, const Vector3d& eye, const Beam& beam,

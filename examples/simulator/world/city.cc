@@ -81,7 +81,8 @@ void AddStreets(const StreetPlan& plan, const SharedMaterials& shared, const Ran
     const std::uint32_t texture =
         studio.Order(TextureBorder::kClamp, [=] { return PaintStreet(picture, own); });
     BuildStreet(segment, options, texture, city.mesh);
-    BuildFurniture(segment, options, shared, own.Fork(1), city.mesh);
+    const auto lamps = BuildFurniture(segment, options, shared, own.Fork(1), city.mesh);
+    city.lamps.insert(city.lamps.end(), lamps.begin(), lamps.end());
   }
   for (const Eigen::Vector2d& crossing : plan.crossings) {
     const StreetPicture picture{0, options.road_m, options.pavement_m, ground_texels_per_m};

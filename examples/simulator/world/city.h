@@ -46,8 +46,9 @@ struct City {
   std::vector<Block> blocks;  ///< row by row from the south-west
   Mesh mesh;
   std::vector<Texture> textures;
-  std::vector<Material> paints;       ///< plain materials of vehicles and clothes
-  std::vector<Material> dark_paints;  ///< of tyres, car windows, trousers
+  std::vector<Material> paints;             ///< plain materials of vehicles and clothes
+  std::vector<Material> dark_paints;        ///< of tyres, car windows, trousers
+  std::vector<Eigen::Vector3d> lamps = {};  ///< the heads of street lamps
 };
 
 /// Lays out, paints and builds a city; deterministic in the options, whatever the thread count.

@@ -2,6 +2,7 @@
 #include "examples/simulator/world/street.h"
 
 #include <cmath>
+#include <optional>
 
 namespace waymark::simulator {
 namespace {
@@ -41,31 +42,35 @@ void PlanBuildingLines(const Vector2d& low, const Vector2d& high, StreetPlan& pl
   plan.building_lines.push_back({low, {0, 1}, size.y()});
 }
 
-void BuildPost(const Vector3d& place, const SharedMaterials& shared, Random& random, Mesh& mesh) {
+/// Where it shines from, if it is a lamp.
+constexpr double kLampHeight = 5.2;  // metres
+
+std::optional<Vector3d> BuildPost(const Vector3d& place, const SharedMaterials& shared,
+                                  Random& random, Mesh& mesh) {
   const auto board = [&] { return shared.boards[random.Bits() % shared.boards.size()]; };
   const auto sign = [&] { return shared.signs[random.Bits() % shared.signs.size()]; };
   switch (random.Integer(0, 5)) {
     case 0:  // a street lamp
-      mesh.AddColumn(place, 0.08, 5.2, 8, board());
-      mesh.AddBox({place + Vector3d(0, 0, 5.2), {0.5, 0.3, 0.15}, 0}, board());
-      return;
+      mesh.AddColumn(place, 0.08, kLampHeight, 8, board());
+      mesh.AddBox({place + Vector3d(0, 0, kLampHeight), {0.5, 0.3, 0.15}, 0}, board());
+      return place + Vector3d(0, 0, kLampHeight);
     case 1:  // a traffic sign
       mesh.AddColumn(place, 0.035, 2.9, 6, board());
       mesh.AddBox({place + Vector3d(0, 0, 2.2), {0.04, 0.6, 0.6}, random.Uniform(0, 3.1)}, sign());
-      return;
+      return std::nullopt;
     case 2:  // a litter bin
       mesh.AddColumn(place, 0.24, 0.9, 10, board());
-      return;
+      return std::nullopt;
     case 3:  // a cabinet
       mesh.AddBox({place, {0.9, 0.4, 1.2}, random.Chance(0.5) ? 0 : 1.5708}, sign());
-      return;
+      return std::nullopt;
     case 4:  // a planter
       mesh.AddBox({place, {0.8, 0.6, 0.55}, 0}, board());
       mesh.AddColumn(place + Vector3d(0, 0, 0.5), 0.25, random.Uniform(0.3, 0.9), 7, board());
-      return;
+      return std::nullopt;
     default:  // an advertising column
       mesh.AddColumn(place, 0.33, 1.5, 12, sign());
-      return;
+      return std::nullopt;
   }
 }
 
@@ -135,17 +140,21 @@ void BuildCrossing(const Eigen::Vector2d& centre, const CityOptions& options,
   }
 }
 
-void BuildFurniture(const StreetSegment& segment, const CityOptions& options,
-                    const SharedMaterials& shared, Random random, Mesh& mesh) {
+std::vector<Vector3d> BuildFurniture(const StreetSegment& segment, const CityOptions& options,
+                                     const SharedMaterials& shared, Random random, Mesh& mesh) {
   const SegmentFrame frame(segment);
   const double offset = options.road_m / 2 + 0.45;
+  std::vector<Vector3d> lamps;
   for (const double side : {1.0, -1.0}) {
     double along = random.Uniform(1.5, 5);
     while (along < segment.length_m - 1) {
-      BuildPost(frame.At(along, side * offset, kKerbHeight), shared, random, mesh);
+      const auto lamp =
+          BuildPost(frame.At(along, side * offset, kKerbHeight), shared, random, mesh);
+      if (lamp) lamps.push_back(*lamp);
       along += random.Uniform(4, 9);
     }
   }
+  return lamps;
 }
 
 }  // namespace waymark::simulator

@@ -32,8 +32,10 @@ void BuildStreet(const StreetSegment& segment, const CityOptions& options, std::
                  Mesh& mesh);
 void BuildCrossing(const Eigen::Vector2d& centre, const CityOptions& options,
                    std::uint32_t crossing, Mesh& mesh);
-/// Lamps, sign posts, bins, cabinets and bollards along both kerbs.
-void BuildFurniture(const StreetSegment& segment, const CityOptions& options,
-                    const SharedMaterials& shared, Random random, Mesh& mesh);
+/// Lamps, sign posts, bins, cabinets and bollards along both kerbs. The heads of the lamps.
+std::vector<Eigen::Vector3d> BuildFurniture(const StreetSegment& segment,
+                                            const CityOptions& options,
+                                            const SharedMaterials& shared, Random random,
+                                            Mesh& mesh);
 
 }  // namespace waymark::simulator

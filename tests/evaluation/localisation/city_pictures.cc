@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 using simulator::City;
 using simulator::Random;
 
-constexpr int kRendering = 1;  // counts changes of what the simulator draws
+constexpr int kRendering = 2;  // counts changes of what the simulator draws
 
 /// A city without houses: enough to plan motions.
 City PlanCity(const simulator::CityOptions& options) {
@@ -44,12 +44,16 @@ std::string Describe(const View& view) {
   for (const double t : view.map_from_camera.translation()) text += fmt::format(" {:.9f}", t);
   for (const double q : view.map_from_camera.rotation().coeffs())
     text += fmt::format(" {:.12f}", q);
-  return text;
+  const simulator::CameraMotion& motion = view.motion;
+  for (const double v : motion.velocity_mps) text += fmt::format(" {:.6f}", v);
+  for (const double w : motion.turning_radps) text += fmt::format(" {:.6f}", w);
+  return text + fmt::format(" {}", motion.shutter);
 }
 
 Result<void> DrawOne(const simulator::Renderer& renderer, const simulator::ViewRays& rays,
                      const TruePicture& picture, Random random) {
-  simulator::Radiance radiance = renderer.Render(rays, picture.view.map_from_camera);
+  simulator::Radiance radiance =
+      simulator::RenderExposure(renderer, rays, picture.view.map_from_camera, picture.view.motion);
   simulator::AddRain(renderer.lighting().rain, random.Fork(1), radiance);
   const fs::path unfinished = picture.path.string() + ".part.jpg";
   WAYMARK_TRY(
@@ -99,7 +103,8 @@ Result<void> DrawMissing(const Setting& setting, const std::vector<TruePicture>&
 std::vector<View> ViewsOf(const simulator::Recording& recording) {
   std::vector<View> views;
   for (const simulator::Shot& shot : recording.shots) {
-    views.push_back({recording.cameras[shot.camera].model, recording.WorldFromCamera(shot)});
+    views.push_back({recording.cameras[shot.camera].model, recording.WorldFromCamera(shot),
+                     recording.MotionOf(shot)});
   }
   return views;
 }

@@ -21,6 +21,7 @@ namespace waymark::evaluation {
 struct View {
   CameraModel camera;
   Rigid3 map_from_camera;
+  simulator::CameraMotion motion = {};
 };
 
 /// What stands in the city, and its light, while pictures are taken.
