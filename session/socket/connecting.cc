@@ -61,7 +61,7 @@ class Attempt : public std::enable_shared_from_this<Attempt<Stream>> {
 
   void Upgrade() {
     beast::get_lowest_layer(stream_).expires_never();  // from here on the WebSocket's own
-    Configure(stream_, beast::role_type::client);
+    Configure(stream_);
     stream_.set_option(websocket::stream_base::decorator([](websocket::request_type& request) {
       request.set(beast::http::field::sec_websocket_protocol, kSubprotocol);
     }));

@@ -1,73 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/strand.hpp>
 
 #include "session/socket/internal/loop_impl.h"
 #include "session/socket/internal/tls.h"
-#include "session/socket/internal/websocket_channel.h"
 
 namespace waymark::session::socket {
 namespace {
 
 using namespace internal;
+namespace asio = boost::asio;
 using asio::ip::tcp;
-using OnChannel = std::function<void(std::shared_ptr<Channel>)>;
-
-constexpr std::chrono::seconds kHandshakeLimit{5};
-
-/// A connection until it is a channel.
-template <typename Stream>
-class Arrival : public std::enable_shared_from_this<Arrival<Stream>> {
- public:
-  Arrival(Stream stream, std::string peer, std::shared_ptr<asio::ssl::context> tls,
-          const OnChannel& on_channel)
-      : tls_(std::move(tls)),
-        stream_(std::move(stream)),
-        peer_(std::move(peer)),
-        on_channel_(on_channel) {}
-
-  void Begin() {
-    beast::get_lowest_layer(stream_).expires_after(kHandshakeLimit);
-    if constexpr (std::is_same_v<Stream, TlsStream>) {
-      stream_.next_layer().async_handshake(asio::ssl::stream_base::server,
-                                           [self = this->shared_from_this()](error_code failure) {
-                                             if (failure) return self->Drop(failure);
-                                             self->Upgrade();
-                                           });
-    } else {
-      Upgrade();
-    }
-  }
-
- private:
-  void Upgrade() {
-    beast::get_lowest_layer(stream_).expires_never();  // from here on the WebSocket's own
-    Configure(stream_, beast::role_type::server);
-    stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
-      response.set(beast::http::field::sec_websocket_protocol, kSubprotocol);
-    }));
-    stream_.async_accept([self = this->shared_from_this()](error_code failure) {
-      if (failure) return self->Drop(failure);
-      self->on_channel_(
-          std::make_shared<WebSocketChannel<Stream>>(std::move(self->stream_), self->peer_));
-    });
-  }
-
-  void Drop(error_code failure) const {
-    LogInfo("{}: handshake failed: {}", peer_, failure.message());
-  }
-
-  std::shared_ptr<asio::ssl::context> tls_;  // outlives the stream
-  websocket::stream<Stream> stream_;
-  std::string peer_;
-  OnChannel on_channel_;
-};
+using boost::system::error_code;
 
 class TcpListener final : public Listener, public std::enable_shared_from_this<TcpListener> {
  public:
-  TcpListener(asio::io_context& context, std::shared_ptr<asio::ssl::context> tls,
-              OnChannel on_channel)
-      : context_(context),
-        acceptor_(asio::make_strand(context)),
+  TcpListener(SocketLoop::Impl& loop, std::shared_ptr<asio::ssl::context> tls, OnChannel on_channel)
+      : loop_(loop),
+        acceptor_(asio::make_strand(loop.context)),
         tls_(std::move(tls)),
         on_channel_(std::move(on_channel)) {}
 
@@ -83,12 +34,11 @@ class TcpListener final : public Listener, public std::enable_shared_from_this<T
   std::uint16_t port() const override { return acceptor_.local_endpoint().port(); }
 
   void Accept() {
-    acceptor_.async_accept(asio::make_strand(context_),
-                           [self = shared_from_this()](error_code failure, tcp::socket socket) {
-                             if (failure == asio::error::operation_aborted) return;
-                             if (!failure) self->Welcome(std::move(socket));
-                             self->Accept();
-                           });
+    acceptor_.async_accept([self = shared_from_this()](error_code failure, tcp::socket socket) {
+      if (failure == asio::error::operation_aborted) return;
+      if (!failure) self->Welcome(std::move(socket));
+      self->Accept();
+    });
   }
 
   void Close() {
@@ -99,26 +49,23 @@ class TcpListener final : public Listener, public std::enable_shared_from_this<T
   }
 
  private:
+  /// One carrier after the other takes a connection.
   void Welcome(tcp::socket socket) {
     error_code failure;
     const tcp::endpoint remote = socket.remote_endpoint(failure);
+    if (!failure) socket.native_non_blocking(true, failure);
     if (failure) return;
-    const std::string peer = fmt::format("{}:{}", remote.address().to_string(), remote.port());
-    PlainStream stream(std::move(socket));
-    if (tls_) {
-      std::make_shared<Arrival<TlsStream>>(TlsStream(std::move(stream), *tls_), peer, tls_,
-                                           on_channel_)
-          ->Begin();
-    } else {
-      std::make_shared<Arrival<PlainStream>>(std::move(stream), peer, nullptr, on_channel_)
-          ->Begin();
-    }
+    const auto& carrier = loop_.carriers[next_++ % loop_.carriers.size()];
+    carrier->Carry(std::make_shared<ServedChannel>(
+        Descriptor(socket.release()), tls_ ? tls_->native_handle() : nullptr,
+        fmt::format("{}:{}", remote.address().to_string(), remote.port()), on_channel_, carrier));
   }
 
-  asio::io_context& context_;
+  SocketLoop::Impl& loop_;
   tcp::acceptor acceptor_;
   std::shared_ptr<asio::ssl::context> tls_;
   OnChannel on_channel_;
+  std::size_t next_ = 0;
 };
 
 /// Ends accepting when its owner lets go, though handlers may still hold the listener.
@@ -148,8 +95,8 @@ Result<std::unique_ptr<Listener>> Listen(SocketLoop& loop, const ListenOptions& 
   if (!options.tls.certificate_chain_file.empty()) {
     WAYMARK_TRY_ASSIGN(tls, MakeServerContext(options.tls));
   }
-  auto listener =
-      std::make_shared<TcpListener>(loop.impl().context, std::move(tls), std::move(on_channel));
+  WAYMARK_TRY(loop.impl().MakeCarriers());
+  auto listener = std::make_shared<TcpListener>(loop.impl(), std::move(tls), std::move(on_channel));
   failure = listener->Open({address, options.port});
   if (failure) {
     return MakeError(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/socket/socket_loop.h"
 
+#include <csignal>
+
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
@@ -8,9 +10,25 @@
 
 namespace waymark::session::socket {
 
+namespace {
+
+/// Writing to who has gone is an error to be told, within TLS too, and no reason to end the
+/// process.
+void BlockBrokenPipes() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  ::sigaddset(&signals, SIGPIPE);
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+}  // namespace
+
 SocketLoop::SocketLoop(int threads) : impl_(std::make_unique<Impl>(threads)) {
   for (int i = 0; i < threads; ++i) {
-    impl_->threads.emplace_back([context = &impl_->context] { context->run(); });
+    impl_->threads.emplace_back([context = &impl_->context] {
+      BlockBrokenPipes();
+      context->run();
+    });
   }
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <netinet/tcp.h>
-
 #include <boost/asio/post.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/ssl.hpp>
@@ -11,6 +9,8 @@
 
 #include "mapping/base/log.h"
 #include "session/socket/channel.h"
+#include "session/socket/internal/socket_options.h"
+#include "session/socket/internal/subprotocol.h"
 
 namespace waymark::session::socket::internal {
 
@@ -19,27 +19,14 @@ namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 using boost::system::error_code;
 
-inline constexpr const char* kSubprotocol = "waymark.1";
-
 using PlainStream = beast::tcp_stream;
 using TlsStream = beast::ssl_stream<beast::tcp_stream>;
 
-/// What has been handed to the kernel can neither be overtaken nor taken back, so it shall hold
-/// little that it cannot send yet. Systems without the option work, only later.
-template <typename Socket>
-void KeepLittleUnsent(Socket& socket) {
-#ifdef TCP_NOTSENT_LOWAT
-  constexpr int kUnsentBytes = 4096;
-  (void)::setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes,
-                     sizeof kUnsentBytes);
-#endif
-}
-
-/// What both ends want of a WebSocket. A peer that is silent for 8 s, although it was asked for a
+/// What a phone wants of its WebSocket. A peer that is silent for 8 s, although it was asked for a
 /// sign of life, is gone.
 template <typename Stream>
-void Configure(websocket::stream<Stream>& stream, beast::role_type role) {
-  auto timeouts = websocket::stream_base::timeout::suggested(role);
+void Configure(websocket::stream<Stream>& stream) {
+  auto timeouts = websocket::stream_base::timeout::suggested(beast::role_type::client);
   timeouts.handshake_timeout = std::chrono::seconds(5);
   timeouts.idle_timeout = std::chrono::seconds(8);
   timeouts.keep_alive_pings = true;
@@ -47,12 +34,12 @@ void Configure(websocket::stream<Stream>& stream, beast::role_type role) {
   stream.binary(true);
   stream.auto_fragment(false);
   stream.read_message_max(kMaxFrameBytes);
-  error_code ignored;
-  beast::get_lowest_layer(stream).socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-  KeepLittleUnsent(beast::get_lowest_layer(stream).socket());
+  const int descriptor = beast::get_lowest_layer(stream).socket().native_handle();
+  SendAtOnce(descriptor);
+  KeepLittleUnsent(descriptor);
 }
 
-/// The handlers run on the stream's strand.
+/// A phone's end of a WebSocket. The handlers run on the stream's strand.
 template <typename Stream>
 class WebSocketChannel final : public Channel,
                                public std::enable_shared_from_this<WebSocketChannel<Stream>> {
