@@ -24,7 +24,8 @@ constexpr int kPerParticipant = 20;  // a process of its own each would be the m
 
 struct BusCrowd::Phone {
   Phone(int number, const Eigen::Vector3d& cell)
-      : walker(static_cast<std::uint64_t>(number), kCell_m / 2),
+      : walker(static_cast<std::uint64_t>(number / 2), static_cast<std::uint64_t>(number % 2),
+               kCell_m / 2),
         middle(cell),
         hello{
             .device = DeviceId(FormatUuid(UuidFromBits(kSeed, static_cast<std::uint64_t>(number)))),

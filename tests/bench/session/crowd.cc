@@ -4,7 +4,9 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <thread>
 #include <utility>
 
 #include "mapping/base/log.h"
@@ -20,14 +22,13 @@ namespace {
 constexpr std::uint64_t kSeed = 0x57a9;
 constexpr std::uint32_t kPingEvery = 8;  // reports
 
-Clock::duration Period(double hz) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / hz));
-}
+constexpr std::chrono::milliseconds kSlice{1};  // what is due in it is done together
 
 }  // namespace
 
 struct Crowd::Phone {
   WebSocket socket;
+  std::uint32_t number;
   Walker walker;
   Hello hello;
   Ticket ticket{};
@@ -38,19 +39,22 @@ struct Crowd::Phone {
 
   void Report(std::uint32_t step) {
     Say(PoseReport{ticket, walker.PoseAt(Now())});
-    if ((step + walker.number()) % kPingEvery == 0) Say(ClockPing{ticket, pings++, {}});
+    if ((step + number) % kPingEvery == 0) Say(ClockPing{ticket, pings++, {}});
   }
 };
 
 Result<std::unique_ptr<Crowd>> Crowd::Connect(std::uint16_t gateway_port, const Options& options) {
   std::unique_ptr<Crowd> crowd(new Crowd(options));
   crowd->poll_ = ::epoll_create1(EPOLL_CLOEXEC);
+  const int groups = std::max(1, options.phones / 4);
   for (int i = 0; i < options.phones; ++i) {
     WAYMARK_TRY_ASSIGN(WebSocket socket, WebSocket::Connect(gateway_port));
     const auto number = static_cast<std::uint64_t>(i);
     crowd->phones_.push_back(std::make_unique<Phone>(
         Phone{.socket = std::move(socket),
-              .walker = Walker(number, options.edge_m),
+              .number = static_cast<std::uint32_t>(i),
+              .walker = Walker(static_cast<std::uint64_t>(i % groups),
+                               static_cast<std::uint64_t>(i / groups), options.edge_m),
               .hello = {.device = DeviceId(FormatUuid(UuidFromBits(kSeed, number))),
                         .room = RoomId(fmt::format("room{}", i / options.per_room)),
                         .name = fmt::format("phone {}", i)}}));
@@ -63,13 +67,11 @@ Result<std::unique_ptr<Crowd>> Crowd::Connect(std::uint16_t gateway_port, const 
 Crowd::Crowd(const Options& options) : options_(options) {}
 Crowd::~Crowd() { ::close(poll_); }
 
-void Crowd::ListenUntil(Clock::time_point deadline) {
-  std::array<epoll_event, 64> events;
+void Crowd::Listen() {
+  std::array<epoll_event, 256> events;
+  int count = 0;
   do {
-    const auto left = deadline - Clock::now();
-    const auto left_us = std::chrono::duration_cast<std::chrono::microseconds>(left).count();
-    const timespec patience{.tv_sec = 0, .tv_nsec = std::max<long>(0, 1000 * left_us)};
-    const int count = ::epoll_pwait2(poll_, events.data(), events.size(), &patience, nullptr);
+    count = ::epoll_wait(poll_, events.data(), events.size(), 0);
     for (int i = 0; i < count; ++i) {
       auto& phone = *static_cast<Phone*>(events[static_cast<std::size_t>(i)].data.ptr);
       const bool is_open = phone.socket.Receive(
@@ -78,7 +80,7 @@ void Crowd::ListenUntil(Clock::time_point deadline) {
       ++lost_;
       ::epoll_ctl(poll_, EPOLL_CTL_DEL, phone.socket.descriptor(), nullptr);
     }
-  } while (Clock::now() < deadline);
+  } while (count == static_cast<int>(events.size()));
 }
 
 void Crowd::OnMessage(Phone& phone, std::span<const std::uint8_t> message) {
@@ -116,7 +118,8 @@ Result<double> Crowd::JoinAll() {
     }
     const auto again = Clock::now() + std::chrono::milliseconds(300);
     while (welcome_ < phones_.size() && Clock::now() < again) {
-      ListenUntil(Clock::now() + std::chrono::milliseconds(5));
+      Listen();
+      std::this_thread::sleep_for(kSlice);
     }
   }
   return Seconds(Clock::now() - begin);
@@ -125,22 +128,25 @@ Result<double> Crowd::JoinAll() {
 // Phones report one after the other, spread over the period as they are in life.
 Walked Crowd::Walk(double seconds) {
   const auto begin = Clock::now();
-  const auto step_for = [&](double duration_s, std::uint32_t first) {
-    const auto steps = first + static_cast<std::uint32_t>(options_.hz * duration_s);
-    for (std::uint32_t step = first; step < steps; ++step) {
-      for (std::size_t i = 0; i < phones_.size(); ++i) {
-        const auto due = begin + step * Period(options_.hz) +
-                         i * Period(options_.hz) / static_cast<int>(phones_.size());
-        if (i % 4 == 0) ListenUntil(due);
-        phones_[i]->Report(step);
+  const double reports_per_s = options_.hz * static_cast<double>(phones_.size());
+  std::uint64_t reports = 0;
+  const auto walk_until = [&](double end_s) {
+    const auto end = static_cast<std::uint64_t>(end_s * reports_per_s);
+    while (reports < end) {
+      const double now_s = Seconds(Clock::now() - begin);
+      const auto due = std::min(end, static_cast<std::uint64_t>(now_s * reports_per_s));
+      for (; reports < due; ++reports) {
+        phones_[reports % phones_.size()]->Report(
+            static_cast<std::uint32_t>(reports / phones_.size()));
       }
+      Listen();
+      std::this_thread::sleep_for(kSlice);
     }
-    return steps;
   };
-  const std::uint32_t warm = step_for(1, 0);
+  walk_until(1);
   is_counting_ = true;
   const auto counted = Clock::now();
-  step_for(seconds, warm);
+  walk_until(1 + seconds);
   is_counting_ = false;
   Walked walked{.heard = {}, .seconds = Seconds(Clock::now() - counted)};
   for (const auto& phone : phones_) walked.heard.push_back(std::exchange(phone->heard, {}));

@@ -9,8 +9,8 @@
 
 namespace waymark::bench {
 
-/// Many phones in one thread, which walk, report their poses and listen, each on a connection of
-/// its own to a gateway.
+/// Many phones in one thread, which walk in groups of four, report their poses and listen, each on
+/// a connection of its own to a gateway. Those of a group report a quarter of a period apart.
 class Crowd {
  public:
   struct Options {
@@ -35,8 +35,8 @@ class Crowd {
   struct Phone;
 
   explicit Crowd(const Options& options);
-  /// Handles what arrives until then.
-  void ListenUntil(std::chrono::steady_clock::time_point deadline);
+  /// Handles what has arrived.
+  void Listen();
   void OnMessage(Phone& phone, std::span<const std::uint8_t> message);
 
   Options options_;

@@ -40,18 +40,39 @@ double Quantile(std::vector<float> values, double share) {
   return *at;
 }
 
+namespace {
+
+/// Which part of the frames that were due came: of every tick between the first and the last that
+/// anybody heard of, those two apart, for they were heard in part.
+double ShareOfFrames(const std::vector<Heard>& heard, double tick_hz) {
+  std::set<ServerTime> ticks;
+  for (const Heard& phone : heard) ticks.insert(phone.ticks.begin(), phone.ticks.end());
+  if (ticks.size() < 3) return NAN;
+  const ServerTime first = *ticks.begin(), last = *ticks.rbegin();
+  double came = 0;
+  for (const Heard& phone : heard) {
+    std::set<ServerTime> between(phone.ticks.begin(), phone.ticks.end());
+    between.erase(first);
+    between.erase(last);
+    came += static_cast<double>(between.size());
+  }
+  const double due = std::round(Seconds(last - first) * tick_hz) - 1;
+  return came / static_cast<double>(heard.size()) / due;
+}
+
+}  // namespace
+
 void Summarise(const Walked& walked, double tick_hz, Row& row) {
   std::vector<float> ages_ms, legs_ms;
-  double came = 0, bytes = 0, poses = 0;
+  double bytes = 0, poses = 0;
   for (const Heard& phone : walked.heard) {
-    came += static_cast<double>(std::set(phone.ticks.begin(), phone.ticks.end()).size());
     bytes += static_cast<double>(phone.bytes);
     poses += static_cast<double>(phone.poses);
     ages_ms.insert(ages_ms.end(), phone.ages_ms.begin(), phone.ages_ms.end());
     legs_ms.insert(legs_ms.end(), phone.legs_ms.begin(), phone.legs_ms.end());
   }
   const auto count = static_cast<double>(walked.heard.size());
-  row.delivered = came / count / (tick_hz * walked.seconds);
+  row.delivered = ShareOfFrames(walked.heard, tick_hz);
   row.bytes_per_s = bytes / count / walked.seconds;
   row.poses_per_s = poses / count / walked.seconds;
   row.age_p50_ms = Quantile(ages_ms, 0.5);

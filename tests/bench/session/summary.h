@@ -23,8 +23,9 @@ struct Row {
 
 double Quantile(std::vector<float> values, double share);
 
-/// Fills in what the phones heard. Everybody has a companion who moves, so a frame is due to every
-/// phone at every tick, also at one that the server was too busy for.
+/// Fills in what the phones heard. Everybody walks with three others who report between any two
+/// ticks, so a frame is due to every phone at every tick, also at one that the server was too busy
+/// for.
 void Summarise(const Walked& walked, double tick_hz, Row& row);
 
 void PrintHead();

@@ -16,19 +16,18 @@ inline ServerTime Now() {
       std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// Somebody who walks in a circle of 5 m around a place, with a companion: two by two they have the
-/// same place.
+/// Somebody who walks in a circle of 5 m around a place, together with the others of a group.
 class Walker {
  public:
-  Walker(std::uint64_t number, double edge_m) : number_(number) {
-    std::mt19937_64 random(number / 2);
+  /// `member` counts those of the group.
+  Walker(std::uint64_t group, std::uint64_t member, double edge_m) {
+    std::mt19937_64 random(group);
     std::uniform_real_distribution<double> place(-edge_m / 2, edge_m / 2), turn(0, 6.28);
     x_m_ = place(random);
     y_m_ = place(random);
-    phase_ = turn(random) + static_cast<double>(number % 2);
+    phase_ = turn(random) + static_cast<double>(member);
   }
 
-  std::uint64_t number() const { return number_; }
   session::LivePose PoseAt(ServerTime time) const {
     constexpr double kRadius_m = 5, kSpeed_mps = 1.4;
     const double angle =
@@ -47,15 +46,14 @@ class Walker {
   }
 
  private:
-  std::uint64_t number_;
   double x_m_ = 0, y_m_ = 0, phase_ = 0;
 };
 
 /// What one phone of a crowd has heard while it was counted.
 struct Heard {
-  std::vector<std::uint32_t> ticks;  ///< of which a pose batch came, in the order of coming
-  std::vector<float> ages_ms;        ///< from one phone's report to another's hearing of it
-  std::vector<float> legs_ms;        ///< from the server's tick to hearing of it
+  std::vector<ServerTime> ticks;  ///< of which a pose batch came, in the order of coming
+  std::vector<float> ages_ms;     ///< from one phone's report to another's hearing of it
+  std::vector<float> legs_ms;     ///< from the server's tick to hearing of it
   std::uint64_t poses = 0;
   std::uint64_t bytes = 0;  ///< of all messages
 };
@@ -69,7 +67,7 @@ struct Walked {
 /// Counts a batch; of the ages every eighth batch, which is plenty.
 inline void Count(Heard& heard, const session::PoseBatch& batch) {
   const ServerTime now = Now();
-  heard.ticks.push_back(batch.tick);
+  heard.ticks.push_back(batch.time);
   heard.poses += batch.poses.size();
   const auto ms_since = [&](ServerTime time) {
     return static_cast<float>(1e3 * Seconds(now - time));
