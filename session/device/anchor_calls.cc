@@ -82,12 +82,18 @@ Result<void> LiveSession::DeleteAnchor(const SharedAnchor& anchor) {
                                            .epoch = anchor.epoch}));
   const std::lock_guard lock(mutex_);
   view_.OnGone(anchor.id);
+  ++changes_;
   return {};
 }
 
 std::vector<SharedAnchor> LiveSession::Anchors() const {
   const std::lock_guard lock(mutex_);
   return view_.Anchors();
+}
+
+std::optional<SharedAnchor> LiveSession::FindAnchor(const AnchorId& anchor) const {
+  const std::lock_guard lock(mutex_);
+  return view_.FindAnchor(anchor);
 }
 
 bool LiveSession::HasSnapshot() const {

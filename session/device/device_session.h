@@ -79,6 +79,8 @@ struct DeviceFrame {
   DeviceTime time;
   std::optional<GeoPoint> gnss = std::nullopt;
   double gnss_sigma_m = 10;
+  /// Unit, from the phone's gravity; absent: the odometry's z.
+  std::optional<Eigen::Vector3d> up_in_camera = std::nullopt;
 };
 
 /// Where this phone is now.
@@ -194,13 +196,18 @@ class DeviceSession {
   /// (which viewers are told too).
   virtual Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
                                            const std::string& kind, const std::string& payload) = 0;
-  /// Errors: Conflict when someone else changed it first; NotFound.
+  /// Errors: Conflict when someone else changed it first: FindAnchor has what stands; NotFound.
   virtual Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
                                           const Transform<Map, Anchor>& map_from_anchor) = 0;
   virtual Result<void> DeleteAnchor(const SharedAnchor& anchor) = 0;
   /// All anchors of the room; complete once `HasSnapshot`.
   virtual std::vector<SharedAnchor> Anchors() const = 0;
+  virtual std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const = 0;
   virtual bool HasSnapshot() const = 0;
+
+  /// Counts up whenever others, anchors, standing or map may have changed, but not for their poses:
+  /// cheap to ask every frame, before asking for these.
+  virtual std::uint64_t Changes() const = 0;
 
   virtual DeviceStatistics Statistics() const = 0;
   /// Leaves at once for the others; the destructor does it too.

@@ -190,4 +190,10 @@ std::vector<SharedAnchor> RoomView::Anchors() const {
   return anchors;
 }
 
+std::optional<SharedAnchor> RoomView::FindAnchor(const AnchorId& anchor) const {
+  const auto found = anchors_.find(anchor);
+  if (found == anchors_.end()) return std::nullopt;
+  return ToShared(found->second.shown);
+}
+
 }  // namespace waymark::session

@@ -35,12 +35,13 @@ class RoomView {
   void On(const AnchorState& state);
   void OnGone(const AnchorId& anchor);
   void On(const RoomState& state);
-  /// What a command of ours brought about, which may be known before its publication.
+  /// What a command of ours brought about or found, which may be known before its publication.
   void OnOwnChange(const RoomAnchor& anchor);
 
   /// Those who left stay for half a minute, marked.
   std::vector<OtherDevice> Others(ServerTime now) const;
   std::vector<SharedAnchor> Anchors() const;
+  std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const;
   bool HasSnapshot() const { return has_snapshot_; }
 
  private:

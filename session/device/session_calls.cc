@@ -48,41 +48,6 @@ void LiveSession::Leave() {
   changed_.notify_all();
 }
 
-Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
-  const auto expected = static_cast<std::int64_t>(frame.width_px) * frame.height_px;
-  if (frame.width_px <= 0 || frame.height_px <= 0 ||
-      static_cast<std::int64_t>(frame.pixels.size()) != expected) {
-    return MakeError(ErrorCode::kInvalidArgument, "frame: expected {} x {} pixels, found {} bytes",
-                     frame.width_px, frame.height_px, frame.pixels.size());
-  }
-  if (frame.camera.width_px() != frame.width_px || frame.camera.height_px() != frame.height_px) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "frame: has {} x {} pixels, but its camera {} x {}", frame.width_px,
-                     frame.height_px, frame.camera.width_px(), frame.camera.height_px());
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
-    if (!standing_.is_in) return NotIn();
-    gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
-    const std::size_t waiting = link_->WaitingImageBytes();
-    const bool is_adaptive = options_.keyframe_sizes == KeyframeSizes::kAdaptive;
-    const std::size_t next = is_adaptive ? sizer_.ExpectedBytes() : SIZE_MAX;
-    switch (images_.Offer(frame, std::chrono::steady_clock::now(), waiting, next)) {
-      case ImageDesk::Offered::kRefused:
-        return {};
-      case ImageDesk::Offered::kTaken:
-        break;
-      case ImageDesk::Offered::kInsteadOfOlder:
-        ++statistics_.superseded;
-        sizer_.OnTooSlow();
-        break;
-    }
-  }
-  inbox_.Push(WakeUp{});
-  return {};
-}
-
 void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) {
   std::optional<PoseReport> report;
   {

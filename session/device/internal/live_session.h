@@ -42,11 +42,13 @@ class LiveSession final : public DeviceSession {
                                   const Transform<Map, Anchor>& map_from_anchor) override;
   Result<void> DeleteAnchor(const SharedAnchor& anchor) override;
   std::vector<SharedAnchor> Anchors() const override;
+  std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const override;
   bool HasSnapshot() const override;
   RoomStanding Standing() const override;
   Result<void> Kick(const DeviceId& device, const std::string& reason) override;
   Result<void> Readmit(const DeviceId& device) override;
   Result<void> SetCapacity(int devices) override;
+  std::uint64_t Changes() const override { return changes_; }
   DeviceStatistics Statistics() const override;
   void Leave() override;
 
@@ -114,6 +116,7 @@ class LiveSession final : public DeviceSession {
   Instant last_refresh_;
   bool has_left_ = false;
 
+  std::atomic<std::uint64_t> changes_ = 0;
   std::atomic<bool> is_stopping_ = false;
   std::unique_ptr<wire::DeviceLink> link_;  // set before the worker starts
   std::thread worker_;

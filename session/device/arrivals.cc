@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// The worker's half of a device session: what arrives.
+#include "mapping/base/log.h"
+#include "session/device/internal/live_session.h"
+
+namespace waymark::session::internal {
+
+void LiveSession::On(const wire::DeviceLink::Event& event) {
+  if (const auto* message = std::get_if<wire::Downward>(&event)) {
+    const bool is_quiet =
+        std::holds_alternative<PoseBatch>(*message) || std::holds_alternative<ClockPong>(*message);
+    if (!is_quiet) ++changes_;
+    return std::visit([this](const auto& content) { On(content); }, *message);
+  }
+  ++changes_;
+  join_.Restart(std::chrono::steady_clock::now());
+  view_.BeginResync();  // what ended meanwhile is not told
+  images_.Abandon();    // a newer one is better than one that may never be answered
+}
+
+void LiveSession::On(const Welcome& welcome) {
+  const std::optional<Welcome> before = join_.welcome();
+  switch (join_.On(welcome, std::chrono::steady_clock::now())) {
+    case JoinDesk::Outcome::kIgnored:
+      return;
+    case JoinDesk::Outcome::kRefused:
+      refusal_ = welcome;
+      standing_.is_in = false;  // it asks again
+      standing_.reason = welcome.reason;
+      return;
+    case JoinDesk::Outcome::kRemoved:
+      standing_.is_in = false;
+      standing_.reason = welcome.reason;
+      LogWarning("room {}: {}", options_.room.text(), welcome.reason);
+      return;
+    case JoinDesk::Outcome::kJoined:
+      break;
+  }
+  ++statistics_.joins;
+  standing_.is_in = true;
+  standing_.reason.clear();
+  standing_.role = welcome.role;
+  if (welcome.is_return) ++standing_.returns;
+  if (before && (before->map.map != welcome.map.map || before->map.epoch != welcome.map.epoch)) {
+    tracker_.Reset();  // the fixes are in the frame of another release
+  }
+  if (!before || before->run != welcome.run) {
+    session_clock_.Clear();
+    last_swap_ = 0;
+  }
+  view_.StartRun(welcome.run, welcome.map.epoch);
+}
+
+void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, SessionNow()); }
+
+void LiveSession::On(const MapState& state) {
+  const auto& welcome = join_.welcome();
+  if (!welcome || state.run != welcome->run || state.swap <= last_swap_) return;
+  last_swap_ = state.swap;
+  placements_ = state.placements;
+  if (state.epoch == welcome->map.epoch) return;  // welcomed after it
+  join_.SetEpoch(state.epoch);
+  (void)tracker_.CarryTo(state.placements);
+  view_.CarryTo(state.epoch, state.placements);
+  ++statistics_.map_changes;
+}
+
+void LiveSession::On(const CommandReply& reply) {
+  if (!commands_.On(reply)) return;
+  const bool is_news =
+      reply.outcome == CommandOutcome::kApplied || reply.outcome == CommandOutcome::kConflict;
+  if (is_news && reply.current) view_.OnOwnChange(*reply.current);
+}
+
+void LiveSession::On(const ClockPong& pong) {
+  join_.OnPong(pong, std::chrono::steady_clock::now());
+  session_clock_.Add({.device_sent = pong.device_sent,
+                      .server_received = pong.received,
+                      .server_sent = pong.sent,
+                      .device_received = SteadyNow()});
+}
+
+}  // namespace waymark::session::internal
