@@ -64,11 +64,13 @@ Result<SubmapModel> DecodeSubmap(std::span<const std::uint8_t> bytes) {
   return model;
 }
 
-Result<SubmapView> SubmapView::Open(const std::filesystem::path& path, bool check_payload) {
+Result<SubmapView> SubmapView::Open(const std::filesystem::path& path, SubmapReading reading) {
   WAYMARK_TRY_ASSIGN(MappedFile file, MappedFile::Open(path));
-  const Checking checking = check_payload ? Checking::kEverything : Checking::kBounds;
+  const Checking checking =
+      reading == SubmapReading::kWhole ? Checking::kEverything : Checking::kSmallSections;
   WAYMARK_TRY_ASSIGN(auto parts, internal::ReadSubmapParts(file.bytes(), path.string(), checking));
   SubmapView view(std::move(file));
+  view.reading_ = reading;
   view.origin_ = parts.model.origin;
   view.is_geo_aligned_ = parts.model.is_geo_aligned;
   view.scale_sigma_ = parts.model.scale_sigma;

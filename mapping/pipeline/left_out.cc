@@ -25,8 +25,8 @@ Result<std::vector<LeftOutImage>> ListLeftOut(const MapDirectory& map, const Exp
     if (!decision) continue;
     candidates.insert(candidates.end(), decision->left_out.begin(), decision->left_out.end());
     if (!decision->submap) continue;
-    WAYMARK_TRY_ASSIGN(const SubmapView view,
-                       SubmapView::Open(map.SubmapPath(*decision->submap), false));
+    WAYMARK_TRY_ASSIGN(const SubmapView view, SubmapView::Open(map.SubmapPath(*decision->submap),
+                                                               SubmapReading::kImagesOnly));
     for (const SubmapImage& image : view.images()) {
       if (image.experience == index.id) held.insert(image.name);
     }

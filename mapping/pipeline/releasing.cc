@@ -114,7 +114,8 @@ Result<std::vector<FusionSubmap>> LoadFusionInput(const MapDirectory& map,
   ImageNumbers numbers;
   std::vector<FusionSubmap> inputs;
   for (const SubmapId& id : submaps) {
-    WAYMARK_TRY_ASSIGN(const SubmapView view, SubmapView::Open(map.SubmapPath(id), false));
+    WAYMARK_TRY_ASSIGN(const SubmapView view,
+                       SubmapView::Open(map.SubmapPath(id), SubmapReading::kImagesOnly));
     inputs.push_back(ToFusion(view, plane, map.description().is_geo_aligned, numbers));
     if (const auto found = previous.find(id); found != previous.end()) {
       inputs.back().previous = found->second;

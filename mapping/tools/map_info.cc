@@ -35,13 +35,14 @@ Result<void> PrintRelease(const MapDirectory& map) {
   fmt::print("epoch {} is live, made {}, {} submaps\n", release.epoch, release.created_utc,
              release.submaps.size());
   for (const ReleasedSubmap& submap : release.submaps) {
-    WAYMARK_TRY_ASSIGN(const SubmapView view, SubmapView::Open(map.SubmapPath(submap.id), false));
+    WAYMARK_TRY_ASSIGN(const SubmapView view,
+                       SubmapView::Open(map.SubmapPath(submap.id), SubmapReading::kImagesOnly));
     const Eigen::Vector3d& centre = submap.centre.coordinates();
     fmt::print(
         "  {}: {} images, {} landmarks, at ({:.1f}, {:.1f}, {:.1f}) within {:.1f} m, "
         "overlap {:.3f} m rms, GNSS {:.2f} m rms",
-        submap.id.text(), view.images().size(), view.landmarks_in_submap().size(), centre.x(),
-        centre.y(), centre.z(), submap.radius_m, submap.overlap_rms_m, submap.gnss_rms_m);
+        submap.id.text(), view.images().size(), view.landmark_count(), centre.x(), centre.y(),
+        centre.z(), submap.radius_m, submap.overlap_rms_m, submap.gnss_rms_m);
     if (submap.displacement) fmt::print(", moved {:.3f} m", submap.displacement->translation_m);
     fmt::print("\n");
   }

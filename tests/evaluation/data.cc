@@ -65,7 +65,8 @@ Result<MapPoses> LoadMapPoses(const fs::path& folder) {
   for (const bool is_borrowed : {true, false}) {  // an image's own submap overrules
     for (const mapping::ReleasedSubmap& released : release.submaps) {
       WAYMARK_TRY_ASSIGN(const auto view,
-                         mapping::SubmapView::Open(map.SubmapPath(released.id), false));
+                         mapping::SubmapView::Open(map.SubmapPath(released.id),
+                                                   mapping::SubmapReading::kImagesOnly));
       std::size_t own = 0;
       for (const mapping::SubmapImage& image : view.images()) {
         own += !image.is_borrowed;

@@ -69,7 +69,7 @@ Result<void> CheckHeader(std::span<const std::uint8_t> bytes, std::string_view n
 /// One section whose place follows from the sizes before it, so that nothing can overlap.
 Result<std::span<const std::uint8_t>> ReadSection(std::span<const std::uint8_t> bytes,
                                                   std::string_view name, std::size_t index,
-                                                  std::size_t offset, Checking checking) {
+                                                  std::size_t offset, bool checks_content) {
   const auto entry = ReadAt<TableEntry>(bytes, kTableOffset + index * kTableEntrySize);
   const std::string_view section = kSectionNames[index];
   if (entry.section != index + 1 || entry.element_size != kElementSizes[index] ||
@@ -86,7 +86,7 @@ Result<std::span<const std::uint8_t>> ReadSection(std::span<const std::uint8_t> 
                      name, section, entry.count, entry.element_size, offset, room);
   }
   const auto payload = bytes.subspan(offset, entry.count * entry.element_size);
-  if (checking == Checking::kEverything && Checksum(payload) != entry.checksum) {
+  if (checks_content && Checksum(payload) != entry.checksum) {
     return MakeError(ErrorCode::kCorrupt, "{}: {}: expected checksum {:016x}, found {:016x}", name,
                      section, entry.checksum, Checksum(payload));
   }
@@ -129,10 +129,12 @@ Result<SubmapSections> ReadSections(std::span<const std::uint8_t> bytes, std::st
   SubmapSections sections;
   std::size_t offset = kHeaderSize;
   for (std::size_t i = 0; i < kSectionCount; ++i) {
-    WAYMARK_TRY_ASSIGN(sections.bytes[i], ReadSection(bytes, name, i, offset, checking));
+    const bool checks_content =
+        checking == Checking::kEverything || !IsLarge(static_cast<Section>(i + 1));
+    WAYMARK_TRY_ASSIGN(sections.bytes[i], ReadSection(bytes, name, i, offset, checks_content));
     const std::size_t end = offset + sections.bytes[i].size();
     offset = AlignedUp(end);
-    if (checking == Checking::kEverything && offset <= bytes.size()) {
+    if (checks_content && offset <= bytes.size()) {
       WAYMARK_TRY(CheckPadding(bytes.subspan(end, offset - end), name, kSectionNames[i]));
     }
   }

@@ -66,13 +66,16 @@ struct SubmapSections {
   }
 };
 
-enum class Checking { kBounds, kEverything };
+/// Whether a section grows with the landmarks; those come last in the file.
+constexpr bool IsLarge(Section section) { return section >= Section::kLandmarks; }
+
+enum class Checking { kSmallSections, kEverything };
 
 /// Puts header, table and padding around payloads.
 std::vector<std::uint8_t> AssembleFile(
     const std::array<std::vector<std::uint8_t>, kSectionCount>& payloads);
 
-/// Checks header, table and bounds, with kEverything also section checksums and padding.
+/// Checks header, table and bounds; checksums and padding of the sections that `checking` names.
 /// Errors: Corrupt, Unsupported, with `name` as the object.
 Result<SubmapSections> ReadSections(std::span<const std::uint8_t> bytes, std::string_view name,
                                     Checking checking);

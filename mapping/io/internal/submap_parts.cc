@@ -146,7 +146,8 @@ bool AreAllRight(const SubmapSections& sections, std::size_t image_count) {
   return wrong == 0 && is_in_range;
 }
 
-Result<void> CheckLargeSections(const SubmapSections& sections, std::size_t image_count) {
+Result<void> CheckLargeSections(const SubmapSections& sections, std::size_t image_count,
+                                Checking checking) {
   const std::size_t count = sections.Count(Section::kDescriptors);
   for (const Section section :
        {Section::kObservedLandmarks, Section::kObservingImages, Section::kPixels}) {
@@ -154,7 +155,7 @@ Result<void> CheckLargeSections(const SubmapSections& sections, std::size_t imag
     return MakeError(ErrorCode::kCorrupt, "{}: expected {}, one per descriptor, found {}",
                      kSectionNames[SectionIndex(section)], count, sections.Count(section));
   }
-  if (AreAllRight(sections, image_count)) return {};
+  if (checking == Checking::kSmallSections || AreAllRight(sections, image_count)) return {};
   const auto coordinates = sections.Bytes(Section::kLandmarks);
   for (std::size_t i = 0; i < coordinates.size() / sizeof(double); ++i) {
     if (std::isfinite(At<double>(coordinates, i))) continue;
@@ -196,7 +197,8 @@ Result<SubmapParts> ReadSubmapParts(std::span<const std::uint8_t> bytes, std::st
     parts.model.images.push_back(*std::move(image));
   }
   WAYMARK_TRY(AsCorrupt(CheckSmallParts(parts.model), name));
-  WAYMARK_TRY(AsCorrupt(CheckLargeSections(parts.sections, parts.model.images.size()), name));
+  WAYMARK_TRY(
+      AsCorrupt(CheckLargeSections(parts.sections, parts.model.images.size(), checking), name));
   return parts;
 }
 

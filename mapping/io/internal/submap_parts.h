@@ -15,8 +15,9 @@ struct SubmapParts {
   SubmapSections sections;
 };
 
-/// Reads a file and checks all that localisation relies on: bounds, indices, order, finiteness.
-/// Errors: Corrupt, Unsupported, with `name` as the object.
+/// Reads a file. Its small parts are checked whole; with kEverything also the large sections'
+/// checksums, indices, order and finiteness, otherwise only that they lie in the file and have
+/// matching sizes. Errors: Corrupt, Unsupported, with `name` as the object.
 Result<SubmapParts> ReadSubmapParts(std::span<const std::uint8_t> bytes, std::string_view name,
                                     Checking checking);
 

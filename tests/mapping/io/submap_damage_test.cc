@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What happened to a submap file on disk is found, named, and never crashes a reader.
 #include <cstring>
+#include <fstream>
 
 #include "mapping/base/content_hash.h"
 #include "tests/mapping/io/submap_file_fixture.h"
@@ -63,24 +64,46 @@ TEST_F(SubmapDamage, DamageBehindRightChecksumsNeverCrashesAndNeverLies) {
   EXPECT_GT(accepted, 0u) << "descriptors and coordinates are free";
 }
 
-TEST_F(SubmapDamage, AViewOfDamagedIndicesIsRefusedEvenUnchecked) {
+TEST_F(SubmapDamage, AViewOfDamagedIndicesIsRefusedThoughChecksumsAreRight) {
   const Bytes bytes = EncodeSubmap(ExampleSubmap()).value();
   for (const std::size_t section : {std::size_t{5}, std::size_t{6}}) {
     Bytes damaged = bytes;
     const std::size_t last = SectionOffset(bytes, section) + SectionSize(bytes, section) - 4;
     Set<std::uint32_t>(damaged, last, 5);
-    const auto view = OpenAfterWriting(damaged, false);
+    const auto view = OpenAfterWriting(Resealed(damaged));
     ASSERT_FALSE(view);
     EXPECT_EQ(view.error().code, ErrorCode::kCorrupt);
     EXPECT_THAT(view.error().message, HasSubstr(path_.string()));
   }
 }
 
-TEST_F(SubmapDamage, AnUncheckedViewSkipsOnlyChecksums) {
-  Bytes bytes = EncodeSubmap(ExampleSubmap()).value();
-  bytes[SectionOffset(bytes, 8)] ^= 1;  // a descriptor
-  EXPECT_TRUE(OpenAfterWriting(bytes, false));
-  EXPECT_FALSE(OpenAfterWriting(bytes, true));
+TEST_F(SubmapDamage, AViewOfTheImagesFindsEveryFlippedByteOfWhatItShows) {
+  const Bytes bytes = EncodeSubmap(ExampleSubmap()).value();
+  const std::size_t images_end = SectionOffset(bytes, 4);
+  ASSERT_TRUE(StoreFileAtomically(path_, bytes));
+  std::fstream file(path_, std::ios::binary | std::ios::in | std::ios::out);
+  const auto put = [&](std::size_t i, std::uint8_t byte) {
+    file.seekp(static_cast<std::streamoff>(i)).put(static_cast<char>(byte)).flush();
+  };
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    put(i, bytes[i] ^ 1);
+    ASSERT_EQ(SubmapView::Open(path_, SubmapReading::kImagesOnly).ok(), i >= images_end)
+        << "byte " << i;
+    ASSERT_FALSE(SubmapView::Open(path_)) << "byte " << i;
+    put(i, bytes[i]);
+  }
+  EXPECT_TRUE(SubmapView::Open(path_));
+}
+
+TEST_F(SubmapDamage, AViewOfTheImagesDoesNotShowWhatItDidNotCheck) {
+  const auto view =
+      OpenAfterWriting(EncodeSubmap(ExampleSubmap()).value(), SubmapReading::kImagesOnly);
+  ASSERT_TRUE(view) << ToString(view.error());
+  EXPECT_EQ(view->images().size(), 3u);
+  EXPECT_EQ(view->landmark_count(), ExampleSubmap().landmarks.size());
+  EXPECT_DEATH(static_cast<void>(view->landmarks_in_submap()), "only the images");
+  EXPECT_DEATH(static_cast<void>(view->descriptors()), "only the images");
+  EXPECT_DEATH(static_cast<void>(view->observing_images()), "only the images");
 }
 
 TEST_F(SubmapDamage, AnotherVersionIsUnsupportedAndNamesBoth) {

@@ -51,9 +51,10 @@ class SubmapFile : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
-  Result<SubmapView> OpenAfterWriting(const Bytes& bytes, bool check_payload = true) const {
+  Result<SubmapView> OpenAfterWriting(const Bytes& bytes,
+                                      SubmapReading reading = SubmapReading::kWhole) const {
     EXPECT_TRUE(StoreFileAtomically(path_, bytes));
-    return SubmapView::Open(path_, check_payload);
+    return SubmapView::Open(path_, reading);
   }
 
   std::filesystem::path path_;
