@@ -25,7 +25,7 @@ struct Include {
 };
 
 /// Bottom-up; a layer may include itself and everything below it, unless kMayOnlySee narrows it.
-constexpr std::array<std::string_view, 37> kLayers{
+constexpr std::array<std::string_view, 38> kLayers{
     "mapping/base",
     "mapping/geometry",
     "mapping/experience",
@@ -56,6 +56,7 @@ constexpr std::array<std::string_view, 37> kLayers{
     "session/socket",
     "session/gateway",
     "session/server",
+    "session/rehearsal",
     "session/device",
     "session/tools",
     "session",

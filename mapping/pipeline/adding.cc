@@ -181,9 +181,10 @@ class Addition {
   Result<void> Release() {
     FusionOptions fusion = request_.options.fusion;
     fusion.parallelism = request_.options.parallelism;
-    WAYMARK_TRY_ASSIGN(
-        NewRelease release,
-        ReleaseSubmaps(map_, submaps_, fusion, request_.created_utc, ReleaseUntil::kLive, run_));
+    const auto until =
+        request_.until == AddUntil::kCandidate ? ReleaseUntil::kCandidate : ReleaseUntil::kLive;
+    WAYMARK_TRY_ASSIGN(NewRelease release,
+                       ReleaseSubmaps(map_, submaps_, fusion, request_.created_utc, until, run_));
     report_.epoch = release.epoch;
     report_.unplaced = std::move(release.unplaced);
     report_.overlap_rms_m = release.overlap_rms_m;

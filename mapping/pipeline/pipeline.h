@@ -98,8 +98,9 @@ struct AddReport {
   bool is_geo_aligned = true;
 };
 
-/// How far to go: `kPlan` ends after planning, for schedulers that build submaps elsewhere.
-enum class AddUntil { kPlan, kRelease };
+/// How far to go: `kPlan` ends after planning, for schedulers that build submaps elsewhere;
+/// `kCandidate` stores the release and leaves the live one live.
+enum class AddUntil { kPlan, kCandidate, kRelease };
 
 /// How often an experience's submaps were submitted to a cluster by runs before this one.
 struct SlurmRounds {
@@ -132,8 +133,8 @@ struct AddRequest {
   std::string created_utc = {};            ///< ISO 8601, of the release
 };
 
-/// Adds experiences to a map, creating it when it is absent, and deploys a new release of all old
-/// and new submaps. Everything finished is durable: a run that was killed continues where it was
+/// Adds experiences to a map, creating it when it is absent, and deploys a new release of all that
+/// is live and of the new submaps. The same again deploys what was left as a candidate. Everything finished is durable: a run that was killed continues where it was
 /// and repeats no finished image and no finished submap. An experience that is in the map with the
 /// same content is left alone.
 /// Errors: those of LoadKapture and MapDirectory; InvalidArgument (options, no or equal folders);

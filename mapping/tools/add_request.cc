@@ -73,12 +73,17 @@ Result<SlurmOptions> MakeSlurmOptions(const AddArguments& arguments, const CLI::
   return options;
 }
 
+AddUntil UntilOf(const AddArguments& arguments) {
+  if (arguments.plan_only) return AddUntil::kPlan;
+  return arguments.is_candidate ? AddUntil::kCandidate : AddUntil::kRelease;
+}
+
 }  // namespace
 
 Result<AddRequest> MakeAddRequest(const AddArguments& arguments, const CLI::App& add) {
   AddRequest request{.map_folder = arguments.map,
                      .experience_folders = {},
-                     .until = arguments.plan_only ? AddUntil::kPlan : AddUntil::kRelease,
+                     .until = UntilOf(arguments),
                      .created_utc = UtcNow()};
   for (const std::string& folder : arguments.experiences) {
     request.experience_folders.emplace_back(folder);

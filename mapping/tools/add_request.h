@@ -33,6 +33,7 @@ struct AddArguments {
   std::string rounds_before;
   std::uint64_t seed = 1;
   bool plan_only = false;
+  bool is_candidate = false;  ///< store the release, but leave the live one live
   bool quiet = false;
   ProgressStyle progress = ProgressStyle::kAuto;
 };

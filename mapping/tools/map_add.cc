@@ -24,7 +24,7 @@ void PrintSubmaps(const AddReport& report) {
   }
 }
 
-int PrintReport(const AddReport& report, bool plan_only) {
+int PrintReport(const AddReport& report, const AddArguments& arguments) {
   PrintSubmaps(report);
   PrintLeftOut(report.left_out);
   for (const ExperienceId& id : report.already_in_map) {
@@ -46,14 +46,18 @@ int PrintReport(const AddReport& report, bool plan_only) {
   }
   if (!report.epoch) {
     const bool failed = !report.rejected.empty() || !report.unplaced.empty();
-    if (failed && !plan_only) fmt::print("the map is as it was\n");
+    if (failed && !arguments.plan_only) fmt::print("the map is as it was\n");
     return failed ? kNothingAccepted : kDone;
   }
-  fmt::print("epoch {} is live{}; shared images agree to {:.3f} m rms", *report.epoch,
+  fmt::print("epoch {} is {}{}; shared images agree to {:.3f} m rms", *report.epoch,
+             arguments.is_candidate ? "stored, not live" : "live",
              report.is_geo_aligned ? "" : " in a local frame, because there was no GNSS",
              report.overlap_rms_m);
   if (report.gnss_rms_m > 0) fmt::print(", GNSS to {:.2f} m rms", report.gnss_rms_m);
   fmt::print("\n");
+  if (arguments.is_candidate) {
+    fmt::print("`waymark-map deploy {} {}` makes it live\n", arguments.map, *report.epoch);
+  }
   return report.added.empty() ? kNothingAccepted : kDone;
 }
 
@@ -70,7 +74,7 @@ int Add(const AddArguments& arguments, const CLI::App& add) {
     report = AddExperiences(*request, observer);
   }
   if (!report) return Finish(report.error());
-  const int outcome = PrintReport(*report, arguments.plan_only);
+  const int outcome = PrintReport(*report, arguments);
   if (!report->epoch) return outcome;
   if (const auto printed = PrintMovement(arguments.map, *report->epoch); !printed) {
     return Finish(printed);
@@ -131,7 +135,11 @@ void RegisterAdd(CLI::App& app, int& exit_code) {
       ->needs(executor);
   add->add_option(kRoundsBefore, arguments->rounds_before)->group("");
   add->add_option("--seed", arguments->seed, "of everything random")->capture_default_str();
-  add->add_flag("--plan-only", arguments->plan_only, "end after planning; prints the submaps' ids");
+  CLI::Option* const plan_only = add->add_flag("--plan-only", arguments->plan_only,
+                                               "end after planning; prints the submaps' ids");
+  add->add_flag("--candidate", arguments->is_candidate,
+                "store the release without making it live: for waymark-rehearse, or `diff`")
+      ->excludes(plan_only);
   AddProgressOption(*add, arguments->progress);
   add->add_flag("--quiet", arguments->quiet, "the same as --progress none");
   add->callback([arguments, add, &exit_code] { exit_code = Add(*arguments, *add); });

@@ -5,15 +5,15 @@
 #include <utility>
 
 #include "mapping/base/log.h"
-#include "session/server/map_localiser.h"
 
 namespace waymark::session {
 
 ReleaseWatcher::ReleaseWatcher(mapping::MapDirectory map,
                                std::shared_ptr<const localiser::Localiser> localiser,
-                               Server& server)
+                               MakeLocalise make_localise, Server& server)
     : map_(std::move(map)),
       localiser_(std::move(localiser)),
+      make_localise_(std::move(make_localise)),
       server_(server),
       last_epoch_(localiser_->epoch()),
       thread_([this] { Watch(); }) {}
@@ -49,7 +49,7 @@ Result<void> ReleaseWatcher::GoOver(std::uint64_t epoch) {
   WAYMARK_TRY_ASSIGN(auto opened,
                      localiser::Localiser::Create(map_, release, {}, localiser_.get()));
   localiser_ = std::move(opened);
-  server_.Swap({std::move(release), MakeLocaliseFunction(localiser_, map_.description())});
+  server_.Swap({std::move(release), make_localise_(localiser_)});
   return {};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -12,6 +13,10 @@
 
 namespace waymark::session {
 
+/// Answers images with a localiser of the map.
+using MakeLocalise =
+    std::function<LocaliseFunction(std::shared_ptr<const localiser::Localiser> localiser)>;
+
 /// Looks once a second which release of a map is live, and takes the server over to it. The old one
 /// is served until the new one is open; one that cannot be opened is logged and left alone until
 /// another goes live.
@@ -19,7 +24,7 @@ class ReleaseWatcher {
  public:
   /// Borrows the server. `localiser` serves the release that is live now.
   ReleaseWatcher(mapping::MapDirectory map, std::shared_ptr<const localiser::Localiser> localiser,
-                 Server& server);
+                 MakeLocalise make_localise, Server& server);
   ReleaseWatcher(const ReleaseWatcher&) = delete;
   ReleaseWatcher& operator=(const ReleaseWatcher&) = delete;
   ~ReleaseWatcher();
@@ -30,6 +35,7 @@ class ReleaseWatcher {
 
   const mapping::MapDirectory map_;
   std::shared_ptr<const localiser::Localiser> localiser_;  // owned by the thread
+  const MakeLocalise make_localise_;
   Server& server_;
   std::uint64_t last_epoch_;  // seen, served or not; owned by the thread
   std::mutex mutex_;

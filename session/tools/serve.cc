@@ -41,6 +41,13 @@ Result<std::unique_ptr<keys::TokenDoor>> OpenDoor(const std::string& folder) {
   return keys::TokenDoor::Open({.folder = folder});
 }
 
+/// Null: no questions are kept.
+Result<std::shared_ptr<QueryKeeper>> OpenKeeper(const ServeArguments& arguments,
+                                                const mapping::MapDescription& map) {
+  if (arguments.kept_queries.folder.empty()) return std::shared_ptr<QueryKeeper>();
+  return QueryKeeper::Open(arguments.kept_queries, map);
+}
+
 Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals) {
   WAYMARK_TRY(arguments.server.Validate());
   WAYMARK_TRY(CheckSecurity(arguments));
@@ -53,11 +60,15 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   WAYMARK_TRY_ASSIGN(auto door, OpenDoor(arguments.security));
   WAYMARK_TRY_ASSIGN(auto store, content::OpenStore(arguments.store));
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
+  WAYMARK_TRY_ASSIGN(const auto keeper, OpenKeeper(arguments, map.description()));
+  const MakeLocalise make_localise = [&](std::shared_ptr<const localiser::Localiser> opened) {
+    return Observed(MakeLocaliseFunction(std::move(opened), map.description()), keeper);
+  };
   WAYMARK_TRY_ASSIGN(
       const auto server,
       Server::Start(options,
                     {.map = map.description(),
-                     .served = {release, MakeLocaliseFunction(localiser, map.description())},
+                     .served = {release, make_localise(localiser)},
                      .store = std::move(store),
                      .load_release = [map](std::uint64_t epoch) { return map.LoadRelease(epoch); },
                      .door = std::move(door)}));
@@ -66,7 +77,7 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
              release.epoch, release.submaps.size(), arguments.security.empty() ? "no" : "yes");
   std::fflush(stdout);
   {
-    const ReleaseWatcher watcher(map, localiser, *server);
+    const ReleaseWatcher watcher(map, localiser, make_localise, *server);
     AwaitSignal(end_signals);
   }
   fmt::print("ended: {}\n", ToString(server->Stop()));

@@ -56,6 +56,13 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
       ->capture_default_str();
   app.add_option("--record", arguments.server.recording_file,
                  "New file for all that enters the session; waymark-replay takes it up");
+  app.add_option(
+      "--keep-queries", arguments.kept_queries.folder,
+      "Folder for a sample of phones' images, spread over the map; waymark-rehearse asks "
+      "a new release about them");
+  app.add_option("--queries-per-place", arguments.kept_queries.per_cell,
+                 "Kept of each 50 m square, the newest")
+      ->capture_default_str();
   AddSecurityOptions(app, arguments);
 }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "session/rehearsal/query_keeper.h"
 #include "session/server/server.h"
 
 namespace waymark::session {
@@ -15,6 +16,7 @@ struct ServeArguments {
   std::string store;
   std::string security;  ///< folder of keys; empty: none
   bool is_insecure_wanted = false;
+  QueryKeeperOptions kept_queries;  ///< no folder: none are
   ServerOptions server;
 };
 

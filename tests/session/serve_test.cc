@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "mapping/store/map_directory.h"
+#include "session/rehearsal/kept_query.h"
 #include "tests/session/peer.h"
 #include "tests/session/session_fixture.h"
 
@@ -45,7 +46,10 @@ class Serve : public support::SessionTest {
 
 TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
   MakeEmptyMap();
-  Peer server(Arguments(), WAYMARK_SERVE);
+  const std::filesystem::path queries = folder_ / "queries";
+  std::vector<std::string> keeping = Arguments();
+  keeping.insert(keeping.end(), {"--keep-queries", queries.string()});
+  Peer server(keeping, WAYMARK_SERVE);
   EXPECT_THAT(server.line(),
               AllOf(StartsWith("ready pid="), HasSubstr("epoch=1"), HasSubstr("submaps=0"),
                     HasSubstr("domain=" + std::to_string(domain_))));
@@ -70,6 +74,9 @@ TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
 
   EXPECT_EQ(server.Terminate(), 0);
   EXPECT_THAT(server.ReadLine(), AllOf(StartsWith("ended: 1 joins"), HasSubstr("0 localised")));
+  const auto kept = LoadKeptQueries(queries);
+  ASSERT_TRUE(kept.ok()) << ToString(kept.error());
+  EXPECT_THAT(*kept, testing::Not(testing::IsEmpty()));
 }
 
 TEST_F(Serve, GoesOverToWhateverReleaseIsLive) {

@@ -40,6 +40,25 @@ std::map<std::pair<std::string, std::string>, Eigen::Vector3d> Places(const Stre
   return places;
 }
 
+TEST(Updates, ACandidateIsStoredAndGoesLiveWhenItIsAddedOnceMore) {
+  const StreetMap street("candidate");
+  street.Drive("base", {.images = 6});
+  street.Drive("north", {.images = 6, .first_m = 60, .seed = 2});
+  ASSERT_TRUE(street.Add({"base"}).ok());
+  AddRequest request = street.MakeAdd({"north"});
+  request.until = AddUntil::kCandidate;
+  const auto stored = AddExperiences(request);
+  ASSERT_TRUE(stored.ok()) << ToString(stored.error());
+  EXPECT_EQ(stored->epoch, 2u);
+  EXPECT_EQ(*street.Open().LoadCurrentEpoch(), 1u);
+  EXPECT_THAT(street.Open().LoadRelease(2)->submaps, SizeIs(2));
+  request.until = AddUntil::kRelease;
+  const auto live = AddExperiences(request);
+  ASSERT_TRUE(live.ok()) << ToString(live.error());
+  EXPECT_EQ(live->epoch, 2u) << "the candidate, not another of the same submaps";
+  EXPECT_EQ(*street.Open().LoadCurrentEpoch(), 2u);
+}
+
 TEST(Updates, DrivesThatDoNotMeetGiveTheSameBytesInEitherOrder) {
   const StreetMap street("order_apart");
   street.Drive("base", {.images = 6});
