@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "localiser/internal/ambiguity.h"
 #include "localiser/internal/candidate.h"
 #include "localiser/internal/open_release.h"
 #include "mapping/base/stopwatch.h"
@@ -170,11 +171,9 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
                     near.size(), best.submap->released().id.text(), best.refusal));
   }
   const Stopwatch ambiguity_watch;
-  const auto ambiguity = internal::FindAmbiguity(candidates, request);
+  const auto ambiguity = internal::FindAmbiguity(candidates, features, request, options);
   answer.times.pose_ms += 1e3 * ambiguity_watch.ElapsedS();
-  if (ambiguity) {
-    return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
-  }
+  if (ambiguity) return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
   refuse(LocalisationStatus::kLocalised,
          fmt::format("{} of {} matches agree in submap {}, one of {} searched", best.pose->inliers,
                      best.answer.matches.size(), best.submap->released().id.text(), near.size()));

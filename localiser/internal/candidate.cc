@@ -10,11 +10,6 @@
 namespace waymark::localiser::internal {
 namespace {
 
-// Submaps that overlap see the same image within decimetres; copies of a place are far apart.
-constexpr double kSamePlaceM = 5;
-constexpr Angle kSameDirection = Angle::Degrees(15);
-constexpr double kComparableShare = 0.6;  // of the inliers
-
 Eigen::Matrix<double, 6, 6> CarryCovariance(const Sim3& map_from_submap,
                                             const Eigen::Matrix<double, 6, 6>& in_submap) {
   const Eigen::Matrix3d rotation = map_from_submap.rotation().toRotationMatrix();
@@ -104,27 +99,6 @@ void TryWithoutGravity(std::span<Candidate> candidates, const LocalisationReques
     candidate = CarryToMap(submap, std::move(answer), request, options);
   }
   std::stable_sort(candidates.begin(), candidates.end(), IsMoreConvincing);
-}
-
-std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
-                                         const LocalisationRequest& request) {
-  const LocalisedPose& best = *candidates.front().pose;
-  for (const Candidate& other : candidates.subspan(1)) {
-    if (!other.pose || other.pose->inliers < kComparableShare * best.inliers) break;
-    const double distance_m =
-        (other.pose->map_from_camera.translation() - best.map_from_camera.translation()).norm();
-    const Angle turn =
-        AngleBetween(other.pose->map_from_camera.rotation(), best.map_from_camera.rotation());
-    if (distance_m <= kSamePlaceM && turn <= kSameDirection) continue;
-    return fmt::format("two places look alike: {} inliers in submap {}, {} in {}, {:.1f} m apart",
-                       best.inliers, best.submap.text(), other.pose->inliers,
-                       other.pose->submap.text(), distance_m);
-  }
-  const OpenSubmap& submap = *candidates.front().submap;
-  std::string twin =
-      submap.localiser().FindAmbiguity(SensesIn(submap, request), candidates.front().answer);
-  if (twin.empty()) return std::nullopt;
-  return twin;
 }
 
 }  // namespace waymark::localiser::internal

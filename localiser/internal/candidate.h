@@ -35,10 +35,4 @@ bool IsMoreConvincing(const Candidate& a, const Candidate& b);
 void TryWithoutGravity(std::span<Candidate> candidates, const LocalisationRequest& request,
                        const LocaliserOptions& options);
 
-/// Two places that look alike: another candidate with nearly as many inliers as the first, but
-/// elsewhere, or a second pose within the submap of the first.
-/// Shapes: sorted by IsMoreConvincing; the first has a pose.
-std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
-                                         const LocalisationRequest& request);
-
 }  // namespace waymark::localiser::internal

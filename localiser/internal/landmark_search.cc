@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "mapping/base/check.h"
 #include "mapping/matching/descriptor_matching.h"
@@ -15,6 +16,8 @@ namespace {
 using mapping::Descriptor;
 using mapping::DescriptorAngle;
 
+constexpr double kSquaredLength = 512.0 * 512.0;  // of a descriptor
+
 std::size_t GroupsNeeded(std::size_t entries) { return (entries + kGroupLanes - 1) / kGroupLanes; }
 
 }  // namespace
@@ -23,7 +26,10 @@ LandmarkSearch::LandmarkSearch(std::span<const Descriptor> descriptors,
                                std::span<const std::uint32_t> landmarks,
                                const CoarseQuantiser& quantiser,
                                const LandmarkSearchOptions& options)
-    : options_(options), has_lists_(descriptors.size() >= options.exhaustive_below) {
+    : options_(options),
+      min_resemblance_dot_(static_cast<std::int32_t>(
+          kSquaredLength * std::cos(options.max_resemblance_rad))),
+      has_lists_(descriptors.size() >= options.exhaustive_below) {
   CHECK(descriptors.size() == landmarks.size());
   list_begins_.assign((has_lists_ ? quantiser.size() : 1) + 1, 0);
   Fill(descriptors, landmarks,
@@ -115,8 +121,32 @@ std::optional<LandmarkMatch> LandmarkSearch::Judge(std::uint32_t index, const Pa
   return LandmarkMatch{index, landmark, static_cast<float>(ratio)};
 }
 
-std::vector<LandmarkMatch> LandmarkSearch::Match(std::span<const Descriptor> features,
-                                                 const RankedCells& cells) const {
+// What was best in each lane: a landmark is missing only where it shares a lane with a better one.
+void LandmarkSearch::AppendResemblances(std::uint32_t index, const LaneBest& best,
+                                        std::vector<Resemblance>& resemblances) const {
+  const auto begin = static_cast<std::ptrdiff_t>(resemblances.size());
+  for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
+    if (best.group[lane] < 0 || best.first_dot[lane] < min_resemblance_dot_) continue;
+    const auto entry = static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane;
+    const std::uint32_t landmark = landmarks_[entry];
+    const auto known = std::find_if(resemblances.begin() + begin, resemblances.end(),
+                                    [&](const Resemblance& r) { return r.landmark == landmark; });
+    if (known == resemblances.end()) {
+      resemblances.push_back({index, landmark, best.first_dot[lane]});
+    } else {
+      known->dot = std::max(known->dot, best.first_dot[lane]);
+    }
+  }
+  std::sort(resemblances.begin() + begin, resemblances.end(),
+            [](const Resemblance& a, const Resemblance& b) {
+              return std::tie(b.dot, a.landmark) < std::tie(a.dot, b.landmark);
+            });
+  const auto limit = static_cast<std::size_t>(begin) + options_.max_resemblances;
+  if (resemblances.size() > limit) resemblances.resize(limit);
+}
+
+FoundLandmarks LandmarkSearch::Match(std::span<const Descriptor> features,
+                                     const RankedCells& cells) const {
   CHECK(!has_lists_ || cells.cells.size() == features.size() * cells.per_feature,
         "ranked for other features");
   std::vector<PackedQuery> queries(features.begin(), features.end());
@@ -129,12 +159,13 @@ std::vector<LandmarkMatch> LandmarkSearch::Match(std::span<const Descriptor> fea
                has_lists_ ? cells.VisitorsOf(list) : all, best);
   }
   constexpr std::array<std::uint32_t, 1> kOnly{0};
-  std::vector<LandmarkMatch> matches;
+  FoundLandmarks found;
   for (std::uint32_t f = 0; f < features.size(); ++f) {
     const auto visited = has_lists_ ? cells.Of(f) : std::span<const std::uint32_t>(kOnly);
-    if (const auto match = Judge(f, queries[f], best[f], visited)) matches.push_back(*match);
+    if (const auto match = Judge(f, queries[f], best[f], visited)) found.matches.push_back(*match);
+    AppendResemblances(f, best[f], found.resemblances);
   }
-  return matches;
+  return found;
 }
 
 }  // namespace waymark::localiser::internal

@@ -30,6 +30,7 @@ class OpenSubmap {
 
   const mapping::ReleasedSubmap& released() const { return released_; }
   std::span<const mapping::Descriptor> descriptors() const { return view_->descriptors(); }
+  const mapping::SubmapView& view() const { return *view_; }
   bool is_indexed() const { return localiser_ != nullptr; }
   const SubmapLocaliser& localiser() const { return *localiser_; }
 

@@ -81,10 +81,9 @@ SubmapLocaliser::SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_s
       search_(MakeSearch(descriptors, observed_landmarks, quantiser, options)) {}
 
 ImageMatches SubmapLocaliser::Match(const mapping::ImageFeatures& features,
-                                    const RankedCells& cells) const {
+                                    std::vector<LandmarkMatch> found) const {
   ImageMatches matches;
-  for (const LandmarkMatch& match :
-       KeepOnePerLandmarkAndPlace(features, search_.Match(features.descriptors, cells))) {
+  for (const LandmarkMatch& match : KeepOnePerLandmarkAndPlace(features, std::move(found))) {
     const mapping::Keypoint& keypoint = features.keypoints[match.feature];
     matches.pixels_px.emplace_back(keypoint.x_px, keypoint.y_px);
     matches.points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
@@ -97,7 +96,9 @@ SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
                                        const RankedCells& cells, const ImageSenses& senses) const {
   SubmapAnswer answer;
   const Stopwatch search_watch;
-  answer.matches = Match(features, cells);
+  FoundLandmarks found = search_.Match(features.descriptors, cells);
+  answer.matches = Match(features, std::move(found.matches));
+  answer.resemblances = std::move(found.resemblances);
   answer.search_ms = 1e3 * search_watch.ElapsedS();
   EstimatePose(senses, answer);
   return answer;

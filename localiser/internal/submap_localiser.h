@@ -19,6 +19,7 @@ namespace waymark::localiser::internal {
 /// What one submap makes of one image.
 struct SubmapAnswer {
   ImageMatches matches;
+  std::vector<Resemblance> resemblances;  ///< of features to landmarks, indices of both
   std::optional<mapping::AbsolutePose> submap_from_camera;  ///< absent: see refusal
   double median_distance_m = 0;                             ///< to what the pose sees
   std::string refusal;
@@ -47,7 +48,8 @@ class SubmapLocaliser {
   std::string FindAmbiguity(const ImageSenses& senses, const SubmapAnswer& answer) const;
 
  private:
-  ImageMatches Match(const mapping::ImageFeatures& features, const RankedCells& cells) const;
+  ImageMatches Match(const mapping::ImageFeatures& features,
+                     std::vector<LandmarkMatch> found) const;
   std::optional<std::string> Judge(const CameraModel& camera, const mapping::AbsolutePose& pose,
                                    SubmapAnswer& answer) const;
 

@@ -76,7 +76,7 @@ void MeasureLists(const mapping::SubmapView& view, const CoarseQuantiser& quanti
   std::vector<std::vector<internal::LandmarkMatch>> truth;
   Score score;
   score.milliseconds = Milliseconds([&] {
-    for (const auto& query : queries) truth.push_back(whole.Match(query, {}));
+    for (const auto& query : queries) truth.push_back(whole.Match(query, {}).matches);
   });
   for (const auto& matches : truth) score.found = score.wanted += matches.size();
   score.Print("matches, whole scan", queries.size());
@@ -85,7 +85,7 @@ void MeasureLists(const mapping::SubmapView& view, const CoarseQuantiser& quanti
     for (std::size_t i = 0; i < queries.size(); ++i) {
       std::vector<internal::LandmarkMatch> matches;
       visited.milliseconds += Milliseconds(
-          [&] { matches = lists.Match(queries[i], quantiser.Rank(queries[i], probes)); });
+          [&] { matches = lists.Match(queries[i], quantiser.Rank(queries[i], probes)).matches; });
       for (const auto& match : truth[i]) {
         visited.found += std::ranges::any_of(matches, [&](const internal::LandmarkMatch& m) {
           return m.feature == match.feature && m.landmark == match.landmark;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "mapping/geometry/camera_model.h"
+#include "mapping/geometry/rigid3.h"
+
+namespace waymark::localiser::internal {
+
+/// A feature of the image and a landmark that it looks like, of whatever submap.
+struct SeenResemblance {
+  std::uint32_t feature;
+  Eigen::Vector2d pixel_px;
+  Eigen::Vector3d point_in_map;
+};
+
+struct RivalOptions {
+  double max_error_px = 6;  ///< reprojection error of a supporter
+  double same_place_m = 1;  ///< nearer landmarks and poses are not elsewhere
+};
+
+/// How well the best pose elsewhere explains what a pose explains.
+struct Rivalry {
+  std::size_t supporters = 0;  ///< features that look like a landmark where the pose sees one
+  std::size_t rivals = 0;      ///< features that do so for the other pose
+  Rigid3 map_from_camera;      ///< the other pose
+};
+
+/// Looks for the pose elsewhere that explains most features, among all landmarks that they look
+/// like: no ratio test has thrown away what copies of a place share. What is copied is assumed to
+/// stand upright.
+/// Deterministic. Shapes: resemblances sorted by feature.
+Rivalry FindRival(const CameraModel& camera, const Rigid3& map_from_camera,
+                  std::span<const SeenResemblance> resemblances, const RivalOptions& options);
+
+}  // namespace waymark::localiser::internal
