@@ -140,7 +140,9 @@ class Checker {
   }
 
   void CheckUsage() {
-    for (const auto& [owner, recorded] : tables_.ListUsage()) {
+    std::map<OwnerKey, Usage> all = tables_.ListUsage();
+    for (const auto& [owner, counted] : usage_) all.try_emplace(owner);  // as if it said nothing
+    for (const auto& [owner, recorded] : all) {
       const Usage counted = usage_[owner];
       if (recorded.anchors == counted.anchors && recorded.bytes == counted.bytes) continue;
       Report(

@@ -63,6 +63,10 @@ Result<void> PreparePostgresSchema(soci::session& sql, const std::string& name,
   if (version == 0 && options.mode == OpenMode::kExisting) {
     return MakeError(ErrorCode::kNotFound, "{}: there is no anchor store", name);
   }
+  if (version > 0 && version < kFirstVersion) {
+    return MakeError(ErrorCode::kUnsupported, "{}: expected schema version {} to {}, found {}",
+                     name, kFirstVersion, kSchemaVersion, version);
+  }
   if (version > 0 && version < kSchemaVersion && options.migration == Migration::kRefuse) {
     return RefuseMigration(name, version);
   }

@@ -134,15 +134,27 @@ std::string PostgresServer::Uri() const {
   return fmt::format("postgresql://waymark@/postgres?host={}", folder_.string());
 }
 
+Result<void> PostgresServer::ChangeFiles(const std::function<void(const fs::path&)>& change) {
+  Stop(SIGINT);
+  change(folder_ / "data");
+  return Launch();
+}
+
 Result<void> PostgresServer::Execute(const std::string& statements) const {
+  WAYMARK_TRY(Ask(statements));
+  return {};
+}
+
+Result<std::string> PostgresServer::Ask(const std::string& statements) const {
   PGconn* const connection = PQconnectdb(Uri().c_str());
   PGresult* const result =
       PQexec(connection, ("SET client_min_messages = warning;" + statements).c_str());
   const ExecStatusType status = PQresultStatus(result);
   const std::string message = PQerrorMessage(connection);
+  const std::string answer = PQntuples(result) > 0 ? PQgetvalue(result, 0, 0) : "";
   PQclear(result);
   PQfinish(connection);
-  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return {};
+  if (status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK) return answer;
   return MakeError(ErrorCode::kUnavailable, "{}", message);
 }
 

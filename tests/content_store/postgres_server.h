@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -27,6 +28,10 @@ class PostgresServer {
   std::string Uri() const;
   /// Runs SQL of a test, past the store.
   Result<void> Execute(const std::string& statements) const;
+  /// The same; what the last statement answered in its first row and column.
+  Result<std::string> Ask(const std::string& statements) const;
+  /// Shuts down in order, lets `change` have the data directory, and starts.
+  Result<void> ChangeFiles(const std::function<void(const std::filesystem::path& data)>& change);
   /// "Immediate" shutdown: as after a crash, nothing is flushed; then a start with recovery.
   Result<void> CrashAndRestart();
 

@@ -125,6 +125,8 @@ TEST_F(SqliteStore, CheckFindsWhatReadingCannotSee) {
   EXPECT_THAT(problems(), testing::IsEmpty());
   ChangeFile("UPDATE places SET cell = cell + 4 WHERE revision = 1");
   EXPECT_THAT(problems(), testing::Contains(HasSubstr("cell")));
+  ChangeFile("DELETE FROM usage WHERE owner = 'device-2'");
+  EXPECT_THAT(problems(), testing::Contains(HasSubstr("usage of owner device-2")));
   ChangeFile("DELETE FROM places WHERE revision = 1");
   EXPECT_THAT(problems(), testing::Contains(HasSubstr("misses 1")));
   ChangeFile("DELETE FROM states WHERE revision = 1");
