@@ -38,8 +38,10 @@ std::vector<PostgresQuery> PostgresQueries() {
        "SELECT p.revision, s.previous, p.room, p.id, s.state, s.checksum FROM unnest($1::text[], "
        "$2::text[]) AS k(room, id) JOIN waymark.places p ON p.room = k.room AND p.id = k.id LEFT "
        "JOIN waymark.states s ON s.revision = p.revision"},
+      // Two halves, which no plain scan of an index can take: PostgreSQL then collects the places
+      // of all rows first and asks the disk for them together, not for one after the other.
       {"wm_load", fmt::format("SELECT {} FROM waymark.states s WHERE s.revision = "
-                              "ANY($1::bigint[])",
+                              "ANY($1::bigint[]) OR s.revision = ANY($2::bigint[])",
                               kColumns)},
       {"wm_by_cell", SelectPlaces("cell", "room = $6::text")},
       {"wm_by_change", SelectPlaces("changed", "room = $6::text")},

@@ -74,6 +74,9 @@ Result<std::unique_ptr<PostgresSession>> PostgresSession::Open(const std::string
     for (const char* setting : {"jit", "enable_seqscan", "enable_hashjoin", "enable_mergejoin"}) {
       sql << fmt::format("SET {} = off", setting);
     }
+    // Pages that a query needs and memory has not are asked for at once; 0: the server cannot.
+    sql << "SELECT pg_catalog.set_config(name, '64', false) FROM pg_catalog.pg_settings WHERE name "
+           "= 'effective_io_concurrency' AND setting <> '0'";
     WAYMARK_TRY(PreparePostgresSchema(sql, name, options));
     return session;
   } catch (const soci::postgresql_soci_error& error) {

@@ -115,9 +115,11 @@ std::map<OwnerKey, Usage> PostgresStatements::FindUsage(const std::vector<OwnerK
 }
 
 std::vector<LogRow> PostgresStatements::LoadStates(const std::vector<std::uint64_t>& revisions) {
-  BinaryArray wanted(kNumber);
-  for (const std::uint64_t revision : revisions) wanted.Add(Clamp(revision));
-  pipeline_.Send("wm_load", {std::move(wanted).Take()});
+  BinaryArray first(kNumber), second(kNumber);
+  for (std::size_t i = 0; i < revisions.size(); ++i) {
+    (i < revisions.size() / 2 ? first : second).Add(Clamp(revisions[i]));
+  }
+  pipeline_.Send("wm_load", {std::move(first).Take(), std::move(second).Take()});
   return ToLogRows(AwaitLast());
 }
 
