@@ -17,6 +17,7 @@
 #include "mapping/base/check.h"
 #include "tests/bench/anchors/city.h"
 #include "tests/bench/anchors/creates.h"
+#include "tests/bench/anchors/queries.h"
 #include "tests/content_store/postgres_server.h"
 
 namespace waymark::bench {
@@ -32,7 +33,7 @@ struct Arguments {
   std::uint64_t per_room = 50'000;
   std::size_t group = 256;
   std::size_t fill_group = 1000;
-  std::string filled;
+  std::string kept;
 };
 
 double ResidentMegabytes() {
@@ -65,29 +66,7 @@ class Writer {
   std::jthread thread_;
 };
 
-struct QueryFigures {
-  double p50_ms, p99_ms, answers;
-};
-
 constexpr std::uint64_t kQueries = 2000;
-
-/// 100 m around places from number `first` on, each in another room.
-QueryFigures MeasureQueries(content::AnchorStore& store, const City& city, std::uint64_t rooms,
-                            std::uint64_t first, std::uint64_t count = kQueries) {
-  std::vector<double> times_ms;
-  std::size_t answers = 0;
-  for (std::uint64_t i = first; i < first + count; ++i) {
-    const GeoPoint centre = city.Place(i);
-    const RoomId room = city.Room(i * 7919 % rooms);
-    const auto begin = Clock::now();
-    const auto found = store.FindNear(room, centre, 100, 100'000);
-    times_ms.push_back(1e3 * SecondsSince(begin));
-    CHECK(found.ok(), "{}", ToString(found.error()));
-    answers += found->size();
-  }
-  return {Quantile(times_ms, 0.5), Quantile(times_ms, 0.99),
-          static_cast<double>(answers) / static_cast<double>(count)};
-}
 
 /// The exponent of a power law through (n, value), by least squares of the logarithms.
 double GrowthExponent(const std::vector<std::pair<double, double>>& points) {
@@ -106,19 +85,20 @@ double MeasureAnswers(content::AnchorStore& store, const City& city, const Argum
                       std::uint64_t place, std::uint64_t& next) {
   const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
   (void)MeasureQueries(store, city, rooms, place, 100);  // opens connections
-  const QueryFigures quiet = MeasureQueries(store, city, rooms, place + kQueries);
+  const auto ask = [&](std::uint64_t first) {
+    return MeasureQueries(store, city, rooms, first, kQueries);
+  };
+  const QueryFigures quiet = ask(place + kQueries);
+  Print("alone", quiet);
   Writer writer(store, city, next, arguments.group);
-  const QueryFigures busy = MeasureQueries(store, city, rooms, place + 2 * kQueries);
-  const QueryFigures again = MeasureQueries(store, city, rooms, place + 2 * kQueries);
+  const auto begin = Clock::now();
+  Print("while one writes", ask(place + 2 * kQueries));
+  Print("there once more", ask(place + 2 * kQueries));
   const std::uint64_t written = writer.Stop() - next;
-  next += written;
-  fmt::print(
-      "100 m query, {:.1f} answers: p50 {:.3f} p99 {:.3f} ms; while {} anchors were written p50 "
-      "{:.3f} p99 {:.3f} ms, at the same places again p50 {:.3f} p99 {:.3f} ms; resident {:.0f} "
-      "MB\n",
-      quiet.answers, quiet.p50_ms, quiet.p99_ms, written, busy.p50_ms, busy.p99_ms, again.p50_ms,
-      again.p99_ms, ResidentMegabytes());
+  fmt::print("  meanwhile written: {} anchors, {:.0f}/s; resident {:.0f} MB\n", written,
+             static_cast<double>(written) / SecondsSince(begin), ResidentMegabytes());
   std::fflush(stdout);
+  next += written;
   return quiet.p50_ms;
 }
 
@@ -134,7 +114,7 @@ std::uint64_t MeasureGrowth(content::AnchorStore& store, const City& city,
       CreateIn(store, city.Group(next, arguments.fill_group));
     }
     const double per_create_ms = 1e3 * SecondsSince(begin) / static_cast<double>(next - first);
-    fmt::print("{:>9} anchors, filled at {:.0f}/s (groups of {}); ", step, 1e3 / per_create_ms,
+    fmt::print("{:>9} anchors, filled at {:.0f}/s (groups of {})\n", step, 1e3 / per_create_ms,
                arguments.fill_group);
     query_p50.emplace_back(static_cast<double>(step),
                            MeasureAnswers(store, city, arguments, place, next));
@@ -159,25 +139,28 @@ void MeasureCold(const fs::path& file, const content::StoreOptions& options, con
   CHECK(store.ok(), "{}", ToString(store.error()));
   const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
   Writer writer(**store, city, next, arguments.group);
-  const QueryFigures cold = MeasureQueries(**store, city, rooms, std::uint64_t{1} << 32);
-  fmt::print(
-      "nothing of the file in memory: 100 m query p50 {:.3f} p99 {:.3f} ms while {} anchors were "
-      "written\n",
-      cold.p50_ms, cold.p99_ms, writer.Stop() - next);
+  Print("while one writes, nothing of the file in memory before",
+        MeasureQueries(**store, city, rooms, std::uint64_t{1} << 32, kQueries));
 }
 
-int MeasureFilled(const Arguments& arguments) {
+/// A store that is kept: filled up, then asked.
+int MeasureKept(const Arguments& arguments) {
   const content::StoreOptions options{.limits = content::StoreLimits::None()};
   const City city(arguments.per_room);
   std::uint64_t next = 0;
   {
-    const auto store = content::OpenStore(arguments.filled, options);
+    const auto store = content::OpenStore(arguments.kept, options);
     CHECK(store.ok(), "{}", ToString(store.error()));
     next = (*store)->WaitForChanges(0, std::chrono::milliseconds(0)).value();
-    fmt::print("{:>9} anchors; ", next);
-    (void)MeasureAnswers(**store, city, arguments, 0, next);
+    for (; next < arguments.anchors; next += arguments.fill_group) {
+      CreateIn(**store, city.Group(next, arguments.fill_group));
+    }
+    fmt::print("{:>9} anchors\n", next);
+    (void)MeasureAnswers(**store, city, arguments, next, next);  // places nobody asked for yet
   }
-  MeasureCold(arguments.filled, options, city, arguments, next);
+  if (!content::IsPostgresLocation(arguments.kept)) {
+    MeasureCold(arguments.kept, options, city, arguments, next);
+  }
   return 0;
 }
 
@@ -189,10 +172,11 @@ int Run(int argc, char** argv) {
   app.add_option("--anchors", arguments.anchors)->capture_default_str();
   app.add_option("--per-room", arguments.per_room)->capture_default_str();
   app.add_option("--group", arguments.group)->capture_default_str();
-  app.add_option("--filled", arguments.filled,
-                 "an SQLite store that this program was filling: only its queries are measured");
+  app.add_option("--kept", arguments.kept,
+                 "a store of this program, which is filled up to --anchors and kept: only its "
+                 "queries are measured");
   CLI11_PARSE(app, argc, argv);
-  if (!arguments.filled.empty()) return MeasureFilled(arguments);
+  if (!arguments.kept.empty()) return MeasureKept(arguments);
 
   const fs::path folder = fs::path(arguments.folder) / fmt::format("anchors-bench-{}", ::getpid());
   fs::create_directories(folder);
