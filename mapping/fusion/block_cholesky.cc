@@ -11,15 +11,24 @@ namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-/// target -= a * b^T.
-template <typename Padded>
-void SubtractProduct(const Padded& a, const Padded& b, Padded& target) {
-  for (int column = 0; column < 7; ++column) {
-    Eigen::Matrix<double, 8, 1> sum = a.col(0) * b(column, 0);
-    for (int k = 1; k < 7; ++k) sum += a.col(k) * b(column, k);
-    target.col(column) -= sum;
-  }
+using internal::PaddedBlock;
+using internal::RoughBlock;
+using internal::RoughVector;
+
+/// The block without its row of zeros.
+auto Of(PaddedBlock& padded) {
+  return Eigen::Map<Eigen::Matrix<double, 8, 7>>(&padded.at[0][0]).topRows<7>();
 }
+auto Of(const PaddedBlock& padded) {
+  return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(&padded.at[0][0]).topRows<7>();
+}
+auto Of(RoughBlock& rough) {
+  return Eigen::Map<Eigen::Matrix<float, 8, 7>>(&rough.at[0][0]).topRows<7>();
+}
+auto Of(const RoughBlock& rough) {
+  return Eigen::Map<const Eigen::Matrix<float, 8, 7>>(&rough.at[0][0]).topRows<7>();
+}
+auto Of(RoughVector& rough) { return Eigen::Map<Eigen::Matrix<float, 8, 1>>(rough.at).head<7>(); }
 
 }  // namespace
 
@@ -27,7 +36,8 @@ BlockCholesky::BlockCholesky(std::vector<std::uint32_t> order, std::span<const B
     : unknown_at_(std::move(order)),
       position_of_(unknown_at_.size()),
       diagonal_(unknown_at_.size()),
-      inverse_diagonal_(unknown_at_.size()) {
+      inverse_diagonal_(unknown_at_.size()),
+      rough_inverse_diagonal_(unknown_at_.size()) {
   for (std::uint32_t i = 0; i < unknown_at_.size(); ++i) position_of_[unknown_at_[i]] = i;
   FindStructure(edges);
 }
@@ -60,6 +70,7 @@ void BlockCholesky::FindStructure(std::span<const BlockEdge> edges) {
     if (begin_[column] < begin_[column + 1]) children[rows_[begin_[column]]].push_back(column);
   }
   blocks_.resize(rows_.size());
+  rough_blocks_.resize(rows_.size());
   for (const BlockEdge& edge : edges) {
     const std::uint32_t first = position_of_[edge.first], second = position_of_[edge.second];
     const auto [column, row] = std::minmax(first, second);
@@ -72,15 +83,16 @@ void BlockCholesky::FindStructure(std::span<const BlockEdge> edges) {
 bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double absolute) {
   const auto size = static_cast<std::uint32_t>(unknown_at_.size());
   for (std::uint32_t i = 0; i < size; ++i) {
-    diagonal_[i].setZero();
-    diagonal_[i].topRows<7>() = matrix.diagonal[unknown_at_[i]];
-    diagonal_[i].diagonal() *= 1 + relative;
-    diagonal_[i].diagonal().array() += absolute;
+    diagonal_[i] = {};
+    auto block = Of(diagonal_[i]);
+    block = matrix.diagonal[unknown_at_[i]];
+    block.diagonal() *= 1 + relative;
+    block.diagonal().array() += absolute;
   }
-  for (PaddedBlock& block : blocks_) block.setZero();
+  for (PaddedBlock& block : blocks_) block = {};
   for (std::size_t k = 0; k < slots_.size(); ++k) {
     const Block& block = matrix.off_diagonal[k];
-    auto target = blocks_[slots_[k].block].topRows<7>();
+    auto target = Of(blocks_[slots_[k].block]);
     if (slots_[k].is_transposed) target = block.transpose();
     if (!slots_[k].is_transposed) target = block;
   }
@@ -98,10 +110,10 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
     for (std::uint32_t c = waiting[j]; c != kNone;) {
       const std::uint32_t following = next[c];
       const PaddedBlock& across = blocks_[reached[c]];
-      SubtractProduct(across, across, diagonal_[j]);
-      for (std::uint32_t k = reached[c] + 1; k < begin_[c + 1]; ++k) {
-        SubtractProduct(blocks_[k], across, blocks_[slot_of_row[rows_[k]]]);
-      }
+      const std::size_t below = reached[c] + 1, count = begin_[c + 1] - below;
+      internal::SubtractProduct(across, across, diagonal_[j]);
+      internal::SubtractColumn({blocks_.data() + below, count}, {rows_.data() + below, count},
+                               across, slot_of_row, blocks_.data());
       ++reached[c];
       wait(c);
       c = following;
@@ -113,17 +125,19 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
 }
 
 bool BlockCholesky::FactorColumn(std::uint32_t column) {
-  const Eigen::LLT<Block> factor(diagonal_[column].topRows<7>());
+  const Eigen::LLT<Block> factor(Of(diagonal_[column]));
   if (factor.info() != Eigen::Success) return false;
   Block& inverse = inverse_diagonal_[column];
   inverse.setIdentity();
   factor.matrixL().solveInPlace(inverse);
-  PaddedBlock across;
-  across.topRows<7>() = -inverse;
+  Of(rough_inverse_diagonal_[column]) = inverse.cast<float>();
+  PaddedBlock across{};
+  Of(across) = -inverse;
   for (std::uint32_t k = begin_[column]; k < begin_[column + 1]; ++k) {
     const PaddedBlock block = blocks_[k];
-    blocks_[k].setZero();
-    SubtractProduct(block, across, blocks_[k]);
+    blocks_[k] = {};
+    internal::SubtractProduct(block, across, blocks_[k]);
+    Of(rough_blocks_[k]) = Of(blocks_[k]).cast<float>();
   }
   return true;
 }
@@ -135,17 +149,40 @@ std::vector<BlockVector> BlockCholesky::Solve(std::span<const BlockVector> right
   for (std::size_t j = 0; j < size; ++j) {
     x[j] = inverse_diagonal_[j].lazyProduct(x[j]).eval();
     for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
-      x[rows_[k]].noalias() -= blocks_[k].topRows<7>().lazyProduct(x[j]);
+      x[rows_[k]].noalias() -= Of(blocks_[k]).lazyProduct(x[j]);
     }
   }
   for (std::size_t j = size; j-- > 0;) {
     for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
-      x[j].noalias() -= blocks_[k].topRows<7>().transpose().lazyProduct(x[rows_[k]]);
+      x[j].noalias() -= Of(blocks_[k]).transpose().lazyProduct(x[rows_[k]]);
     }
     x[j] = inverse_diagonal_[j].transpose().lazyProduct(x[j]).eval();
   }
   std::vector<BlockVector> solution(size);
   for (std::size_t j = 0; j < size; ++j) solution[unknown_at_[j]] = x[j];
+  return solution;
+}
+
+std::vector<BlockVector> BlockCholesky::SolveRoughly(std::span<const BlockVector> right) const {
+  const std::size_t size = unknown_at_.size();
+  const auto column = [&](std::size_t j) {
+    return std::pair(std::span(rough_blocks_).subspan(begin_[j], begin_[j + 1] - begin_[j]),
+                     std::span(rows_).subspan(begin_[j], begin_[j + 1] - begin_[j]));
+  };
+  std::vector<RoughVector> x(size);
+  for (std::size_t j = 0; j < size; ++j) Of(x[j]) = right[unknown_at_[j]].cast<float>();
+  for (std::size_t j = 0; j < size; ++j) {
+    Of(x[j]) = Of(rough_inverse_diagonal_[j]).lazyProduct(Of(x[j])).eval();
+    const auto [blocks, rows] = column(j);
+    internal::SubtractDownwards(blocks, rows, x[j], x.data());
+  }
+  std::vector<BlockVector> solution(size);
+  for (std::size_t j = size; j-- > 0;) {
+    const auto [blocks, rows] = column(j);
+    internal::SubtractUpwards(blocks, rows, x.data(), x[j]);
+    Of(x[j]) = Of(rough_inverse_diagonal_[j]).transpose().lazyProduct(Of(x[j])).eval();
+    solution[unknown_at_[j]] = Of(x[j]).cast<double>();
+  }
   return solution;
 }
 

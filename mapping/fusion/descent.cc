@@ -44,6 +44,11 @@ void Descent::TryStep(double tolerance_m) {
     moved[i].Move((*step)[u]);
   }
   const double longest_m = *std::max_element(motions_m_.begin(), motions_m_.end());
+  if (longest_m < tolerance_m && damping_ <= kLeastDamping) {  // settled: nobody asks for more
+    places_ = std::move(moved);
+    longest_motion_m_ = longest_m;
+    return;
+  }
   const double cost = equations_.Linearise(moved, loss_);
   if (cost <= cost_ || longest_m < tolerance_m) {  // below it the cost is level, but for rounding
     places_ = std::move(moved);

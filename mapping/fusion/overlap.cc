@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "mapping/base/median.h"
+#include "mapping/fusion/internal/radix_sort.h"
 
 namespace waymark::mapping {
 namespace {
@@ -119,7 +120,6 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
     std::uint64_t image;
     std::uint32_t submap;
     std::uint32_t index;
-    auto operator<=>(const Sighting&) const = default;
   };
   std::vector<Sighting> sightings;
   for (std::uint32_t s = 0; s < submaps.size(); ++s) {
@@ -127,7 +127,8 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
       sightings.push_back({submaps[s].images[i].image, s, i});
     }
   }
-  std::sort(sightings.begin(), sightings.end());
+  // They come by submap and index, and stay so where they are of one image.
+  RadixSort(sightings, [](const Sighting& sighting) { return sighting.image; });
   struct Pair {
     std::uint32_t first, second;
     std::uint32_t in_second, in_first;
@@ -147,14 +148,19 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
       ++end;
     }
   }
-  std::sort(pairs.begin(), pairs.end());
+  RadixSort(pairs, [](const Pair& pair) { return std::uint64_t{pair.second}; });
+  RadixSort(pairs, [](const Pair& pair) { return std::uint64_t{pair.first}; });
   std::vector<Overlap> overlaps;
-  for (const Pair& pair : pairs) {
-    if (overlaps.empty() || overlaps.back().first != pair.first ||
-        overlaps.back().second != pair.second) {
-      overlaps.push_back({pair.first, pair.second, {}});
+  for (auto begin = pairs.begin(), end = begin; begin != pairs.end(); begin = end) {
+    end = std::find_if(begin, pairs.end(), [&](const Pair& pair) {
+      return pair.first != begin->first || pair.second != begin->second;
+    });
+    std::sort(begin, end);
+    overlaps.push_back({begin->first, begin->second, {}});
+    overlaps.back().images.reserve(static_cast<std::size_t>(end - begin));
+    for (auto pair = begin; pair != end; ++pair) {
+      overlaps.back().images.push_back({pair->in_first, pair->in_second});
     }
-    overlaps.back().images.push_back({pair.in_first, pair.in_second});
   }
   return overlaps;
 }

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kMaxDamping = 1e8;
 // Submaps rest that move by less than this share of the longest motion.
-constexpr double kResting = 0.05;
-constexpr std::size_t kFew = 4;  // times as many, or looking at all costs less than looking twice
+constexpr double kResting = 0.2;
+constexpr std::size_t kFew = 8;  // times as many, or looking at all costs less than looking twice
 
 std::size_t CountTrue(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));

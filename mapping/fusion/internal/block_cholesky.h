@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "mapping/fusion/internal/block_kernels.h"
 #include "mapping/fusion/internal/elimination_order.h"
 
 namespace waymark::mapping {
@@ -38,10 +39,10 @@ class BlockCholesky {
   /// The x with `matrix * x == right`, after a successful Factor.
   std::vector<BlockVector> Solve(std::span<const BlockVector> right) const;
 
- private:
-  /// A block of L, with a row of zeros more: columns of even length fill vector registers.
-  using PaddedBlock = Eigen::Matrix<double, 8, 7>;
+  /// The same to about six digits, in a third of the time.
+  std::vector<BlockVector> SolveRoughly(std::span<const BlockVector> right) const;
 
+ private:
   /// Where an edge's block begins its life as a block of L.
   struct Slot {
     std::uint32_t block;
@@ -51,14 +52,16 @@ class BlockCholesky {
   void FindStructure(std::span<const BlockEdge> edges);
   bool FactorColumn(std::uint32_t column);
 
-  std::vector<std::uint32_t> unknown_at_;   // by position in the order of elimination
-  std::vector<std::uint32_t> position_of_;  // by unknown
-  std::vector<std::uint32_t> begin_;        // of each column's blocks below the diagonal
-  std::vector<std::uint32_t> rows_;         // of those blocks, ascending in a column
-  std::vector<Slot> slots_;                 // by edge
-  std::vector<PaddedBlock> blocks_;         // of L, below the diagonal
-  std::vector<PaddedBlock> diagonal_;       // still to be factorised
-  std::vector<Block> inverse_diagonal_;     // of L
+  std::vector<std::uint32_t> unknown_at_;        // by position in the order of elimination
+  std::vector<std::uint32_t> position_of_;       // by unknown
+  std::vector<std::uint32_t> begin_;             // of each column's blocks below the diagonal
+  std::vector<std::uint32_t> rows_;              // of those blocks, ascending in a column
+  std::vector<Slot> slots_;                      // by edge
+  std::vector<internal::PaddedBlock> blocks_;    // of L, below the diagonal
+  std::vector<internal::PaddedBlock> diagonal_;  // still to be factorised
+  std::vector<Block> inverse_diagonal_;          // of L
+  std::vector<internal::RoughBlock> rough_blocks_;
+  std::vector<internal::RoughBlock> rough_inverse_diagonal_;
 };
 
 }  // namespace waymark::mapping

@@ -24,7 +24,8 @@ class Descent {
   void Follow(const std::vector<Place>& before);
 
   /// Takes a step when it lowers the cost or nothing moves by the tolerance; else raises the
-  /// damping.
+  /// damping. After an undamped step below the tolerance, the equations stay where they were: begin
+  /// anew before another.
   void TryStep(double tolerance_m);
 
   std::size_t free_count() const { return equations_.free().size(); }

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "mapping/fusion/internal/block_kernels.h"
+
+namespace waymark::mapping::internal {
+namespace {
+
+#define WAYMARK_INLINE [[gnu::always_inline]] inline
+
+// Written as vectors, for the compiler makes shuffles of the loops; it splits what is too wide.
+typedef double Column8 __attribute__((vector_size(64), may_alias));
+typedef float Rough8 __attribute__((vector_size(32), may_alias));
+
+WAYMARK_INLINE const Column8* ColumnsOf(const PaddedBlock& block) {
+  return reinterpret_cast<const Column8*>(block.at);
+}
+WAYMARK_INLINE const Rough8* ColumnsOf(const RoughBlock& block) {
+  return reinterpret_cast<const Rough8*>(block.at);
+}
+
+WAYMARK_INLINE void Product(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {
+  const Column8* const columns = ColumnsOf(a);
+  auto* const to = reinterpret_cast<Column8*>(target.at);
+  for (int column = 0; column < kBlockColumns; ++column) {
+    Column8 sum = columns[0] * b.at[0][column];
+    for (int k = 1; k < kBlockColumns; ++k) sum += columns[k] * b.at[k][column];
+    to[column] -= sum;
+  }
+}
+
+WAYMARK_INLINE void Column(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
+                           const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
+                           PaddedBlock* targets) {
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    Product(column[i], across, targets[slot_of_row[rows[i]]]);
+  }
+}
+
+WAYMARK_INLINE void Downwards(std::span<const RoughBlock> column,
+                              std::span<const std::uint32_t> rows, const RoughVector& of_column,
+                              RoughVector* x) {
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    const Rough8* const columns = ColumnsOf(column[i]);
+    Rough8 sum = columns[0] * of_column.at[0];
+    for (int k = 1; k < kBlockColumns; ++k) sum += columns[k] * of_column.at[k];
+    *reinterpret_cast<Rough8*>(x[rows[i]].at) -= sum;
+  }
+}
+
+WAYMARK_INLINE void Upwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                            const RoughVector* x, RoughVector& of_column) {
+  Rough8 sums[kBlockColumns] = {};
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    const Rough8* const columns = ColumnsOf(column[i]);
+    const Rough8 below = *reinterpret_cast<const Rough8*>(x[rows[i]].at);
+    for (int k = 0; k < kBlockColumns; ++k) sums[k] += columns[k] * below;
+  }
+  for (int k = 0; k < kBlockColumns; ++k) {
+    float sum = 0;
+    for (int row = 0; row < kBlockRows; ++row) sum += sums[k][row];
+    of_column.at[k] -= sum;
+  }
+}
+
+struct Kernels {
+  decltype(&mapping::internal::SubtractProduct) product;
+  decltype(&mapping::internal::SubtractColumn) column;
+  decltype(&mapping::internal::SubtractDownwards) downwards;
+  decltype(&mapping::internal::SubtractUpwards) upwards;
+};
+
+#define WAYMARK_KERNELS(NAME, TARGET)                                                            \
+  TARGET void Product##NAME(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {   \
+    Product(a, b, target);                                                                       \
+  }                                                                                              \
+  TARGET void Column##NAME(std::span<const PaddedBlock> column,                                  \
+                           std::span<const std::uint32_t> rows, const PaddedBlock& across,       \
+                           std::span<const std::uint32_t> slot_of_row, PaddedBlock* targets) {   \
+    Column(column, rows, across, slot_of_row, targets);                                          \
+  }                                                                                              \
+  TARGET void Downwards##NAME(std::span<const RoughBlock> column,                                \
+                              std::span<const std::uint32_t> rows, const RoughVector& of_column, \
+                              RoughVector* x) {                                                  \
+    Downwards(column, rows, of_column, x);                                                       \
+  }                                                                                              \
+  TARGET void Upwards##NAME(std::span<const RoughBlock> column,                                  \
+                            std::span<const std::uint32_t> rows, const RoughVector* x,           \
+                            RoughVector& of_column) {                                            \
+    Upwards(column, rows, x, of_column);                                                         \
+  }                                                                                              \
+  constexpr Kernels k##NAME{Product##NAME, Column##NAME, Downwards##NAME, Upwards##NAME};
+
+WAYMARK_KERNELS(Portable, )
+#if defined(__x86_64__)
+WAYMARK_KERNELS(Avx2, __attribute__((target("avx2"))))
+WAYMARK_KERNELS(Avx512, __attribute__((target("avx512f"))))
+#endif
+
+const Kernels& Chosen() {
+  static const Kernels& kernels = []() -> const Kernels& {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx512f")) return kAvx512;
+    if (__builtin_cpu_supports("avx2")) return kAvx2;
+#endif
+    return kPortable;
+  }();
+  return kernels;
+}
+
+}  // namespace
+
+void SubtractProduct(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {
+  Chosen().product(a, b, target);
+}
+
+void SubtractColumn(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
+                    const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
+                    PaddedBlock* targets) {
+  Chosen().column(column, rows, across, slot_of_row, targets);
+}
+
+void SubtractDownwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                       const RoughVector& of_column, RoughVector* x) {
+  Chosen().downwards(column, rows, of_column, x);
+}
+
+void SubtractUpwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                     const RoughVector* x, RoughVector& of_column) {
+  Chosen().upwards(column, rows, x, of_column);
+}
+
+}  // namespace waymark::mapping::internal

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+/// The inner loops of the factorisation of matrices of 7x7 blocks. Blocks are column-major with a
+/// row of zeros more, so that columns fill vector registers. The widest instructions of the
+/// processor are chosen at run time and change no bit: products are not fused with sums.
+namespace waymark::mapping::internal {
+
+inline constexpr int kBlockColumns = 7;
+inline constexpr int kBlockRows = 8;
+
+/// A block of L, or of what is not yet L.
+struct alignas(64) PaddedBlock {
+  double at[kBlockColumns][kBlockRows];  ///< by column, then row
+};
+
+/// The same rounded: half as much to read where rounding does not matter.
+struct alignas(32) RoughBlock {
+  float at[kBlockColumns][kBlockRows];
+};
+struct alignas(32) RoughVector {
+  float at[kBlockRows];  ///< the last is zero
+};
+
+/// target -= a * b^T.
+void SubtractProduct(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target);
+
+/// A finished column's share in the blocks below the diagonal of a later one: for each i,
+/// targets[slot_of_row[rows[i]]] -= column[i] * across^T.
+void SubtractColumn(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
+                    const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
+                    PaddedBlock* targets);
+
+/// For each i, x[rows[i]] -= column[i] * of_column.
+void SubtractDownwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                       const RoughVector& of_column, RoughVector* x);
+
+/// of_column -= the sum over i of column[i]^T * x[rows[i]].
+void SubtractUpwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                     const RoughVector* x, RoughVector& of_column);
+
+}  // namespace waymark::mapping::internal
