@@ -28,6 +28,10 @@ std::string_view StateName(localiser::AlignmentState state) {
   return "unknown";
 }
 
+std::string_view SourceName(session::FixSource source) {
+  return source == session::FixSource::kTile ? "tile" : "server";
+}
+
 Json EncodeTrack(const Replay& replay, const Walk& walk) {
   Json track = Json::array();
   for (const TrackPoint& point : replay.track) {
@@ -38,6 +42,7 @@ Json EncodeTrack(const Replay& replay, const Walk& walk) {
     track.push_back({{"image", point.image},
                      {"seconds", point.seconds},
                      {"state", StateName(point.pose.state)},
+                     {"fix_source", SourceName(point.pose.fix_source)},
                      {"epoch", point.pose.epoch},
                      {"map_from_camera", pose},
                      {"others", point.others_present},
@@ -78,6 +83,8 @@ std::string EncodeReplay(const Replay& replay, const Walk& walk, const std::stri
                      {"statistics",
                       {{"keyframes_sent", statistics.keyframes_sent},
                        {"fixes", statistics.fixes},
+                       {"tile_fixes", statistics.tile_fixes},
+                       {"tile_refusals", statistics.tile_refusals},
                        {"refusals", statistics.refusals},
                        {"timeouts", statistics.timeouts},
                        {"fix_latency_ms", latencies_ms}}},

@@ -9,8 +9,8 @@ namespace waymark::phone {
 
 /// The outcome of a walk as JSON, for reports. Poses are [tx, ty, tz, qx, qy, qz, qw].
 ///   {"name", "device", "walk", "statistics": {...},
-///    "track": [{"image", "seconds", "state", "epoch", "map_from_camera" | null, "others",
-///               "oldest_other_s"}],
+///    "track": [{"image", "seconds", "state", "fix_source", "epoch", "map_from_camera" | null,
+///               "others", "oldest_other_s"}],
 ///    "placed": id | null, "place_error": "…",
 ///    "anchors": [{"id", "owner", "kind", "payload", "revision", "epoch", "map_from_anchor",
 ///                 "first_seen_s"}]}

@@ -20,6 +20,7 @@ void LiveSession::On(const wire::DeviceLink::Event& event) {
 
 void LiveSession::On(const Welcome& welcome) {
   const std::optional<Welcome> before = join_.welcome();
+  const SessionMap map_before = CurrentMap();
   switch (join_.On(welcome, std::chrono::steady_clock::now())) {
     case JoinDesk::Outcome::kIgnored:
       return;
@@ -41,12 +42,13 @@ void LiveSession::On(const Welcome& welcome) {
   standing_.reason.clear();
   standing_.role = welcome.role;
   if (welcome.is_return) ++standing_.returns;
-  if (before && (before->map.map != welcome.map.map || before->map.epoch != welcome.map.epoch)) {
-    tracker_.Reset();  // the fixes are in the frame of another release
+  if (map_before.id != welcome.map.map || map_before.epoch != welcome.map.epoch) {
+    tracker_.Reset();  // the fixes, if any, are in the frame of another release
   }
   if (!before || before->run != welcome.run) {
     session_clock_.Clear();
     last_swap_ = 0;
+    images_.Abandon();  // who was asked is no more
   }
   view_.StartRun(welcome.run, welcome.map.epoch);
 }

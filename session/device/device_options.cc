@@ -16,6 +16,14 @@ Result<void> DeviceOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "JPEG quality: expected [30, 100], found {}",
                      jpeg_quality);
   }
+  if (max_sent_features < 50 || max_sent_features > 2000) {
+    return MakeError(ErrorCode::kInvalidArgument, "sent features: expected [50, 2000], found {}",
+                     max_sent_features);
+  }
+  if (!(tile_patience.count() >= 0)) {
+    return MakeError(ErrorCode::kInvalidArgument, "tile's patience: expected >= 0 s, found {}",
+                     tile_patience.count());
+  }
   if (!(keyframe_interval.count() >= 0) || !(request_timeout.count() > 0)) {
     return MakeError(
         ErrorCode::kInvalidArgument,

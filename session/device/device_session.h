@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -37,6 +38,12 @@ enum class KeyframeSizes : std::uint8_t {
   kAsTaken,   ///< every pixel of the frame
 };
 
+/// What is sent of a keyframe.
+enum class KeyframeContent : std::uint8_t {
+  kPixels,    ///< a JPEG
+  kFeatures,  ///< keypoints and descriptors: nobody can look at it, but it is larger, see README.md
+};
+
 struct DeviceOptions {
   /// Host or address of waymark-serve, reached over DDS; or wss://HOST:PORT of a waymark-gateway,
   /// or ws://HOST:PORT without TLS.
@@ -54,6 +61,14 @@ struct DeviceOptions {
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
   KeyframeSizes keyframe_sizes = KeyframeSizes::kAdaptive;
   int jpeg_quality = 85;  ///< of what is sent kAsTaken, [30, 100]
+  KeyframeContent keyframe_content = KeyframeContent::kPixels;
+  int max_sent_features = 300;  ///< of a keyframe's features, the strongest, [50, 2000]
+  /// A small map to localise against while the server is away, see tile.h; empty: none. It serves
+  /// where its map and release are the live ones, or no server has said which these are.
+  std::filesystem::path tile_folder = {};
+  /// The tile is asked when the server leaves an image unanswered for so long; at once when it is
+  /// busy, or the way to it is lost.
+  std::chrono::duration<double> tile_patience{2.0};
   std::chrono::duration<double> request_timeout{5.0};
   localiser::AlignmentOptions alignment = {};
   /// A UUID to join as, for example the one of an earlier session, whose anchors are then ours;
@@ -83,6 +98,9 @@ struct DeviceFrame {
   std::optional<Eigen::Vector3d> up_in_camera = std::nullopt;
 };
 
+/// Who localised a keyframe.
+enum class FixSource : std::uint8_t { kServer, kTile };
+
 /// Where this phone is now.
 struct DevicePose {
   localiser::AlignmentState state = localiser::AlignmentState::kNever;
@@ -91,6 +109,7 @@ struct DevicePose {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   std::uint64_t epoch = 0;
   DeviceTime time;
+  FixSource fix_source = FixSource::kServer;  ///< of the newest fix
 };
 
 /// Another phone of the room: where it is now, as far as its last reports tell.
@@ -143,7 +162,9 @@ struct KeyframeTiming {
 struct DeviceStatistics {
   int keyframes_sent = 0;
   int superseded = 0;  ///< of these, given up for a newer one before they had left
-  int fixes = 0;
+  int fixes = 0;       ///< of the server
+  int tile_fixes = 0;  ///< the device's own, against its tile
+  int tile_refusals = 0;
   int refusals = 0;  ///< the server answered "not localised" or "busy"
   int timeouts = 0;
   int map_changes = 0;  ///< another release of the map went live meanwhile
@@ -165,8 +186,9 @@ struct SessionMap {
 /// Thread-safe; calls do not block on the network unless they say so. Errors name the server.
 class DeviceSession {
  public:
-  /// Joins, waiting for the server's welcome at most the request timeout.
-  /// Errors: Unavailable (no server there), InvalidArgument, Conflict (room refuses).
+  /// Joins, waiting for the server's welcome at most the request timeout. With a tile, a server
+  /// that does not answer is no error: the device begins alone and joins when it does.
+  /// Errors: Unavailable (no server there), InvalidArgument, Conflict (room refuses); of the tile.
   static Result<std::unique_ptr<DeviceSession>> Join(const DeviceOptions& options);
   virtual ~DeviceSession() = default;
 

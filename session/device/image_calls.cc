@@ -3,18 +3,16 @@
 #include <cstdint>
 
 #include "mapping/base/log.h"
+#include "mapping/features/feature_codec.h"
 #include "session/device/internal/live_session.h"
 #include "session/device/jpeg.h"
 
 namespace waymark::session::internal {
 namespace {
 
-/// Odometry knows gravity: its z is up.
-Eigen::Vector3d UpInCamera(const DeviceFrame& frame) {
-  if (frame.up_in_camera) return *frame.up_in_camera;
-  return (frame.vo_from_device * frame.device_from_camera).rotation().conjugate() *
-         Eigen::Vector3d::UnitZ();
-}
+// Larger images are found hardly more often: see README.md.
+constexpr int kMaxFeatureSide_px = 640;
+constexpr std::size_t kBytesPerFeature = 144;
 
 }  // namespace
 
@@ -35,13 +33,14 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
     if (!standing_.is_in) return NotIn();
     gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
+    const Instant now = std::chrono::steady_clock::now();
+    if (IsTileCurrent()) tile_desk_.Offer(frame, now, join_.IsConnected());
     const std::size_t waiting = link_->WaitingImageBytes();
-    const bool is_adaptive = options_.keyframe_sizes == KeyframeSizes::kAdaptive;
-    const std::size_t next = is_adaptive ? sizer_.ExpectedBytes() : SIZE_MAX;
-    switch (images_.Offer(frame, std::chrono::steady_clock::now(), waiting, next)) {
+    switch (images_.Offer(frame, now, waiting, ExpectedBytes())) {
       case ImageDesk::Offered::kRefused:
-        return {};
+        break;
       case ImageDesk::Offered::kTaken:
+        tile_desk_.OnAsked(now);
         break;
       case ImageDesk::Offered::kInsteadOfOlder:
         ++statistics_.superseded;
@@ -49,8 +48,56 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
         break;
     }
   }
-  inbox_.Push(WakeUp{});
+  image_due_.notify_one();
   return {};
+}
+
+/// Of the next image; as large as can be where that is not known.
+std::size_t LiveSession::ExpectedBytes() const {
+  if (options_.keyframe_content == KeyframeContent::kFeatures) {
+    return kBytesPerFeature * static_cast<std::size_t>(options_.max_sent_features);
+  }
+  const bool is_adaptive = options_.keyframe_sizes == KeyframeSizes::kAdaptive;
+  return is_adaptive ? sizer_.ExpectedBytes() : SIZE_MAX;
+}
+
+/// A tile of another release is in another frame.
+bool LiveSession::IsTileCurrent() const {
+  if (!tile_) return false;
+  const SessionMap map = CurrentMap();
+  return tile_->map().id == map.id && tile_->map().epoch == map.epoch;
+}
+
+void LiveSession::WorkOnImages() {
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      image_due_.wait(lock, [this] {
+        return is_stopping_ || tile_desk_.HasFrame() || (images_.HasFrame() && join_.IsConnected());
+      });
+      if (is_stopping_) return;
+    }
+    SendFrame();
+    AskTile();
+  }
+}
+
+void LiveSession::AskTile() {
+  std::optional<DeviceFrame> frame;
+  {
+    const std::lock_guard lock(mutex_);
+    frame = tile_desk_.TakeFrame();
+  }
+  if (!frame) return;
+  const localiser::Localisation answer = tile_->Localise(*frame);
+  const std::lock_guard lock(mutex_);
+  const SentFrame asked = tile_desk_.Finish();
+  if (!answer.pose) {
+    ++statistics_.tile_refusals;
+  } else if (IsTileCurrent()) {
+    tracker_.AddFix(asked, *answer.pose, FixSource::kTile);
+    ++statistics_.tile_fixes;
+  }
 }
 
 void LiveSession::SendFrame() {
@@ -74,7 +121,19 @@ void LiveSession::SendFrame() {
   images_.Abandon();
 }
 
-Result<void> LiveSession::Send(const DeviceFrame& frame, LocaliseQuery query) {
+Result<LiveSession::Encoded> LiveSession::EncodeAsFeatures(const DeviceFrame& frame,
+                                                           int max_features) {
+  WAYMARK_TRY_ASSIGN(const mapping::ImageFeatures features,
+                     mapping::ExtractFeatures(
+                         {frame.width_px, frame.height_px, frame.pixels},
+                         {.max_features = max_features, .max_image_side_px = kMaxFeatureSide_px}));
+  return Encoded{mapping::EncodeFeatures(features), frame.width_px, frame.height_px};
+}
+
+Result<LiveSession::Encoded> LiveSession::Encode(const DeviceFrame& frame) {
+  if (options_.keyframe_content == KeyframeContent::kFeatures) {
+    return EncodeAsFeatures(frame, options_.max_sent_features);
+  }
   ImageSize size{.quality = options_.jpeg_quality};
   if (options_.keyframe_sizes == KeyframeSizes::kAdaptive) {
     const std::lock_guard lock(mutex_);
@@ -82,13 +141,19 @@ Result<void> LiveSession::Send(const DeviceFrame& frame, LocaliseQuery query) {
   }
   WAYMARK_TRY_ASSIGN(EncodedImage image,
                      EncodeJpeg(frame.pixels, frame.width_px, frame.height_px, size));
+  const std::lock_guard lock(mutex_);
+  sizer_.OnEncoded(size, image.jpeg.size());
+  return Encoded{std::move(image.jpeg), image.width_px, image.height_px};
+}
+
+Result<void> LiveSession::Send(const DeviceFrame& frame, LocaliseQuery query) {
+  WAYMARK_TRY_ASSIGN(Encoded image, Encode(frame));
   {
     const std::lock_guard lock(mutex_);
-    sizer_.OnEncoded(size, image.jpeg.size());
-    images_.NoteSent(image.jpeg.size(), image.width_px, std::chrono::steady_clock::now());
+    images_.NoteSent(image.bytes.size(), image.width_px, std::chrono::steady_clock::now());
   }
   query.camera = ResizeCamera(frame.camera, image.width_px, image.height_px);
-  query.image = std::move(image.jpeg);
+  query.image = std::move(image.bytes);
   return link_->Send(std::move(query));
 }
 
@@ -110,6 +175,7 @@ LocaliseQuery LiveSession::MakeQuery(const DeviceFrame& frame, RequestNumber req
 void LiveSession::On(const LocaliseAnswer& answer) {
   const std::optional<ImageDesk::Match> match = images_.TakeMatch(answer.request);
   if (!match) return;
+  tile_desk_.OnAnswer(answer.status == LocaliseStatus::kBusy);
   Judge(answer, *match);
   const std::optional<localiser::LocalisedPose> pose = InLiveMap(answer);
   if (!pose) {

@@ -27,12 +27,14 @@ std::size_t WeightOf(const wire::DeviceLink::Event& event) {
 }  // namespace
 
 LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
-                         std::uint32_t first_attempt)
+                         std::uint32_t first_attempt, std::shared_ptr<const Tile> tile)
     : options_(options),
       id_(id),
+      tile_(std::move(tile)),
       inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
       join_(first_attempt),
       images_(options.keyframe_interval, options.request_timeout),
+      tile_desk_(options.keyframe_interval, options.tile_patience),
       sizer_(options.keyframe_interval),
       tracker_(options.alignment, options.correction),
       view_(id) {}
@@ -40,8 +42,12 @@ LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
 Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& options) {
   const DeviceId id =
       options.id.value_or(DeviceId(FormatUuid(UuidFromBits(RandomBits(), RandomBits()))));
+  std::shared_ptr<const Tile> tile;
+  if (!options.tile_folder.empty()) {
+    WAYMARK_TRY_ASSIGN(tile, Tile::Open(options.tile_folder));
+  }
   std::unique_ptr<LiveSession> session(
-      new LiveSession(options, id, static_cast<std::uint32_t>(RandomBits())));
+      new LiveSession(options, id, static_cast<std::uint32_t>(RandomBits()), std::move(tile)));
   WAYMARK_TRY_ASSIGN(
       session->link_,
       MakeLink(options, id, [inbox = &session->inbox_](wire::DeviceLink::Event event) {
@@ -49,6 +55,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& opt
         inbox->TryPush(std::move(event), weight);
       }));
   session->worker_ = std::thread([raw = session.get()] { raw->Work(); });
+  session->image_thread_ = std::thread([raw = session.get()] { raw->WorkOnImages(); });
   return session;
 }
 
@@ -70,9 +77,9 @@ void LiveSession::Work() {
       is_over = join_.IsOver();
     }
     changed_.notify_all();
+    image_due_.notify_one();  // it may be connected now
     // Sent away: the way to the server is closed, and what still comes is not listened to.
     if (is_over && !std::exchange(has_gone, true)) link_->SayFarewell();
-    SendFrame();
     const std::lock_guard lock(mutex_);
     deadline = NextDeadline();
   }

@@ -56,7 +56,9 @@ void PoseTracker::Correct(std::chrono::duration<double> elapsed) {
       Transform<Map, Device>(Interpolate(shown, wanted, fraction)) * vo_from_device_->Inverse();
 }
 
-void PoseTracker::AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose) {
+void PoseTracker::AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose,
+                         FixSource source) {
+  fix_source_ = source;
   const Transform<Camera, Device> camera_from_device = frame.device_from_camera.Inverse();
   const Eigen::Vector3d lever_in_map =
       pose.map_from_camera.rotation() * camera_from_device.translation();
@@ -101,7 +103,8 @@ DevicePose PoseTracker::Pose(std::uint64_t epoch) const {
                   .map_from_device = std::nullopt,
                   .covariance = current_.covariance,
                   .epoch = epoch,
-                  .time = time_};
+                  .time = time_,
+                  .fix_source = fix_source_};
   if (!current_.map_from_vo || !vo_from_device_) return pose;
   const Transform<Map, Vo>& map_from_vo = *current_.map_from_vo;
   const Transform<Map, Device> wanted = map_from_vo * *vo_from_device_;

@@ -27,7 +27,8 @@ class PoseTracker {
   /// Also moves the shown pose on towards the estimate.
   void PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time);
   /// Takes the answer to an image as one more fix.
-  void AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose);
+  void AddFix(const SentFrame& frame, const localiser::LocalisedPose& pose,
+              FixSource source = FixSource::kServer);
   /// Forgets all fixes: the odometry or the map has another frame now.
   void Reset();
   /// Another release is live: fixes and the shown pose go where their submaps do, so that what is
@@ -52,6 +53,7 @@ class PoseTracker {
   CorrectionOptions correction_;
   localiser::Alignment current_;
   std::optional<Transform<Map, Vo>> shown_map_from_vo_;
+  FixSource fix_source_ = FixSource::kServer;
   bool was_fixed_ = false;  ///< enough fixes agreed once, since the last reset
   std::optional<Transform<Vo, Device>> vo_from_device_;
   DeviceTime time_;

@@ -23,7 +23,7 @@ Result<void> LiveSession::AwaitWelcome() {
   const bool is_answered = changed_.wait_for(lock, options_.request_timeout, [this] {
     return join_.welcome().has_value() || refusal_.has_value();
   });
-  if (join_.welcome()) return {};
+  if (join_.welcome() || (!is_answered && tile_)) return {};
   if (!is_answered) {
     return MakeError(ErrorCode::kUnavailable,
                      "{}: no answer within {} s; is waymark-serve running there?", ServerName(),
@@ -40,12 +40,14 @@ void LiveSession::Leave() {
     const std::lock_guard lock(mutex_);
     if (has_left_) return;
     has_left_ = true;
+    is_stopping_ = true;
   }
-  is_stopping_ = true;
+  image_due_.notify_all();
   inbox_.Close();
   if (worker_.joinable()) worker_.join();
   if (link_) link_->SayFarewell();
   changed_.notify_all();
+  if (image_thread_.joinable()) image_thread_.join();
 }
 
 void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, DeviceTime time) {
@@ -55,6 +57,7 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
     if (const auto jump = stamp_clock_.Observe(time, SteadyNow())) {
       tracker_.ShiftTime(*jump);
       images_.ShiftTime(*jump);
+      tile_desk_.ShiftTime(*jump);
       ++statistics_.clock_jumps;
     }
     tracker_.PushOdometry(vo_from_device, time);
@@ -77,9 +80,17 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
   (void)link_->Send(*report);  // the next one is better anyway
 }
 
-DevicePose LiveSession::CurrentPose() const {
-  return tracker_.Pose(join_.welcome() ? join_.welcome()->map.epoch : 0);
+/// As the server last said; the tile's before it ever did.
+SessionMap LiveSession::CurrentMap() const {
+  if (!join_.welcome()) return tile_ ? tile_->map() : SessionMap{};
+  const MapIdentity& map = join_.welcome()->map;
+  return {.id = map.map,
+          .is_geo_aligned = map.is_geo_aligned,
+          .origin = map.origin,
+          .epoch = map.epoch};
 }
+
+DevicePose LiveSession::CurrentPose() const { return tracker_.Pose(CurrentMap().epoch); }
 
 /// Where the stamps' clock can be read, it is exact, whatever it was set to meanwhile.
 DeviceTime LiveSession::ToSteady(DeviceTime stamp) const {
@@ -103,12 +114,7 @@ std::optional<ServerTime> LiveSession::SessionTime(DeviceTime instant) const {
 
 SessionMap LiveSession::DescribeMap() const {
   const std::lock_guard lock(mutex_);
-  if (!join_.welcome()) return {};
-  const MapIdentity& map = join_.welcome()->map;
-  return {.id = map.map,
-          .is_geo_aligned = map.is_geo_aligned,
-          .origin = map.origin,
-          .epoch = map.epoch};
+  return CurrentMap();
 }
 
 std::vector<OtherDevice> LiveSession::Others() const {

@@ -27,7 +27,7 @@ extern "C" {
  *           with the camera, as device_from_camera says. Radians except where a name says degrees.
  * Time.     Nanoseconds of the one clock that the app stamps odometry and frames with. */
 
-#define WAYMARK_ABI_VERSION 1
+#define WAYMARK_ABI_VERSION 2
 #define WAYMARK_ID_BYTES 40    /* of an id in text, with its final NUL */
 #define WAYMARK_NAME_BYTES 72  /* likewise of a device's name, */
 #define WAYMARK_TEXT_BYTES 256 /* of an anchor's kind, and of a reason */
@@ -66,11 +66,12 @@ int64_t waymark_steady_time_ns(void);
 
 WaymarkStatus waymark_options_create(WaymarkOptions* options);
 /* Options by name; NOT_FOUND lists them. Texts, UTF-8: "server" (host on DDS, or wss://HOST:PORT of
- * a gateway), "room", "name", "token", "id" (UUID to join as), "authority_file",
- * "security_folder". */
+ * a gateway), "room", "name", "token", "id" (UUID to join as), "authority_file", "security_folder",
+ * "tile_folder" (a small map to localise against while the server is away). */
 WaymarkStatus waymark_options_set_text(WaymarkOptions options, const char* name, const char* text);
 /* Numbers: "dds_domain", "keyframe_interval_s", "request_timeout_s", "adaptive_images" (0 or 1),
- * "jpeg_quality", "stamps_are_steady" (1: time is waymark_steady_time_ns, CLOCK_MONOTONIC). */
+ * "jpeg_quality", "sent_features" (so many are sent instead of pixels; 0: pixels),
+ * "tile_patience_s", "stamps_are_steady" (1: time is waymark_steady_time_ns, CLOCK_MONOTONIC). */
 WaymarkStatus waymark_options_set_number(WaymarkOptions options, const char* name, double number);
 WaymarkStatus waymark_options_destroy(WaymarkOptions options);
 
@@ -137,7 +138,7 @@ WaymarkStatus waymark_push_frame(WaymarkSession session, const WaymarkFrame* fra
 
 /* never: no fix yet. coarse: a best guess. fixed: enough fixes agree. stale: they did, long ago. */
 enum { WAYMARK_NEVER = 0, WAYMARK_COARSE = 1, WAYMARK_FIXED = 2, WAYMARK_STALE = 3 };
-enum { WAYMARK_FROM_SERVER = 0 };
+enum { WAYMARK_FROM_SERVER = 0, WAYMARK_FROM_TILE = 1 };
 typedef struct WaymarkPose {
   uint32_t struct_size;
   int32_t state;

@@ -9,67 +9,20 @@
 #include "mapping/features/feature_codec.h"
 #include "session/device/jpeg.h"
 #include "tests/localiser/map_on_disk.h"
-#include "tests/support/random_geometry.h"
+#include "tests/session/pictured_map.h"
 
 namespace waymark::session {
 namespace {
 
-constexpr int kWidth = 320, kHeight = 240;
-
-/// Blots of all sizes: something to find everywhere.
-std::vector<std::uint8_t> Picture() {
-  support::RandomGeometry random(1);
-  std::vector<double> sums(kWidth * kHeight, 128);
-  for (int blot = 0; blot < 400; ++blot) {
-    const double x = random.Uniform(0, kWidth), y = random.Uniform(0, kHeight);
-    const double sigma = random.Uniform(1.5, 6), height = random.Normal(50);
-    for (int v = 0; v < kHeight; ++v) {
-      for (int u = 0; u < kWidth; ++u) {
-        const double squares = (u - x) * (u - x) + (v - y) * (v - y);
-        sums[static_cast<std::size_t>(v * kWidth + u)] +=
-            height * std::exp(-0.5 * squares / (sigma * sigma));
-      }
-    }
-  }
-  std::vector<std::uint8_t> pixels;
-  for (const double sum : sums) {
-    pixels.push_back(static_cast<std::uint8_t>(std::clamp(sum, 0.0, 255.0)));
-  }
-  return pixels;
-}
-
-CameraModel TestCamera() {
-  const std::array<double, 4> parameters{300, 300, 160, 120};
-  return *CameraModel::Create(CameraKind::kPinhole, kWidth, kHeight, parameters);
-}
-
-/// A map of what one picture shows, at random distances.
-mapping::SubmapModel MapOf(const mapping::ImageFeatures& features) {
-  support::RandomGeometry random(2);
-  mapping::SubmapModel model;
-  model.origin = {Angle::Degrees(37.77), Angle::Degrees(-122.42), 10};
-  model.cameras.push_back(TestCamera());
-  for (const std::string name : {"a.jpg", "b.jpg"}) {
-    model.images.push_back({.experience = ExperienceId("drive"),
-                            .name = name,
-                            .camera = 0,
-                            .submap_from_camera = Transform<Submap, Camera>(Rigid3()),
-                            .gnss = std::nullopt});
-  }
-  for (std::uint32_t i = 0; i < features.keypoints.size(); ++i) {
-    const mapping::Keypoint& at = features.keypoints[i];
-    model.landmarks.emplace_back(
-        Eigen::Vector3d(random.Uniform(5, 30) * TestCamera().Unproject({at.x_px, at.y_px})));
-    for (std::uint32_t image = 0; image < 2; ++image) {
-      model.observations.push_back({i, image, at.x_px, at.y_px, features.descriptors[i]});
-    }
-  }
-  return model;
-}
+using support::kPictureHeight;
+using support::kPictureWidth;
+using support::MapOf;
+using support::Picture;
+using support::TestCamera;
 
 class FeatureQueries : public testing::Test {
  protected:
-  FeatureQueries() : jpeg_(EncodeJpeg(Picture(), kWidth, kHeight, {})->jpeg) {
+  FeatureQueries() : jpeg_(EncodeJpeg(Picture(), kPictureWidth, kPictureHeight, {})->jpeg) {
     const auto image = mapping::DecodeGrayImage(jpeg_);
     features_ = *mapping::ExtractFeatures(*image, localiser::LocaliserOptions{}.features);
     disk_.Add(MapOf(features_));

@@ -25,6 +25,7 @@ constexpr std::array kTexts{
                [](auto& options, const auto& text) { options.authority_file = text; }},
     TextOption{"security_folder",
                [](auto& options, const auto& text) { options.security_folder = text; }},
+    TextOption{"tile_folder", [](auto& options, const auto& text) { options.tile_folder = text; }},
 };
 
 struct NumberOption {
@@ -51,6 +52,15 @@ constexpr std::array kNumbers{
                  }},
     NumberOption{"jpeg_quality", 30, 100, true,
                  [](auto& options, double n) { options.jpeg_quality = static_cast<int>(n); }},
+    NumberOption{"sent_features", 0, 2000, true,
+                 [](auto& options, double n) {
+                   options.keyframe_content =
+                       n > 0 ? KeyframeContent::kFeatures : KeyframeContent::kPixels;
+                   if (n > 0) options.max_sent_features = static_cast<int>(n);
+                 }},
+    NumberOption{
+        "tile_patience_s", 0, 3600, false,
+        [](auto& options, double n) { options.tile_patience = std::chrono::duration<double>(n); }},
     NumberOption{"stamps_are_steady", 0, 1, true,
                  [](auto& options, double n) {
                    options.clock = n == 1 ? SteadyNow : std::function<DeviceTime()>();

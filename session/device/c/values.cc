@@ -157,7 +157,7 @@ WaymarkPose ToC(const DevicePose& pose) {
   WaymarkPose c{};
   c.state = static_cast<std::int32_t>(pose.state);
   c.has_pose = pose.map_from_device.has_value();
-  c.fix_source = WAYMARK_FROM_SERVER;
+  c.fix_source = static_cast<std::int32_t>(pose.fix_source);
   c.epoch = pose.epoch;
   c.time_ns = ToNanoseconds(pose.time);
   c.map_from_device = ToC(pose.map_from_device.value_or(Transform<Map, Device>()).rigid());

@@ -75,6 +75,7 @@ class ImageDesk {
   /// yet; this one would take about `expected_bytes`.
   Offered Offer(const DeviceFrame& frame, Instant now, std::size_t waiting_bytes,
                 std::size_t expected_bytes);
+  bool HasFrame() const { return waiting_.has_value(); }
   /// A frame that waits to be sent; from then on it is under way.
   std::optional<DeviceFrame> TakeFrame(RequestNumber& request);
   /// The frame under way is encoded, and goes now.

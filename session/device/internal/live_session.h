@@ -12,15 +12,18 @@
 #include "session/device/device_session.h"
 #include "session/device/image_sizer.h"
 #include "session/device/internal/desks.h"
+#include "session/device/internal/tile_desk.h"
 #include "session/device/pose_tracker.h"
 #include "session/device/room_view.h"
+#include "session/device/tile.h"
 #include "session/wire/device_link.h"
 #include "session/wire/inbox.h"
 
 namespace waymark::session::internal {
 
-/// The session. The application's calls and one worker share the state under a mutex; the link's
-/// threads only leave messages in the inbox. Images are encoded and sent by the worker.
+/// The session. The application's calls, one worker and one thread for images, which take long to
+/// encode and to localise, share the state under a mutex; the link's threads only leave messages in
+/// the inbox.
 class LiveSession final : public DeviceSession {
  public:
   static Result<std::unique_ptr<LiveSession>> Start(const DeviceOptions& options);
@@ -56,13 +59,26 @@ class LiveSession final : public DeviceSession {
   struct WakeUp {};
   using Item = std::variant<wire::DeviceLink::Event, WakeUp>;
 
-  LiveSession(const DeviceOptions& options, const DeviceId& id, std::uint32_t first_attempt);
+  LiveSession(const DeviceOptions& options, const DeviceId& id, std::uint32_t first_attempt,
+              std::shared_ptr<const Tile> tile);
+
+  // The thread for images.
+  void WorkOnImages();
+  void SendFrame();
+  void AskTile();
+  Result<void> Send(const DeviceFrame& frame, LocaliseQuery query);
+  /// What travels of a frame, and the size in pixels that it speaks of.
+  struct Encoded {
+    std::vector<std::uint8_t> bytes;
+    int width_px = 0;
+    int height_px = 0;
+  };
+  Result<Encoded> Encode(const DeviceFrame& frame);
+  static Result<Encoded> EncodeAsFeatures(const DeviceFrame& frame, int max_features);
 
   // The worker.
   void Work();
   void SendWhatIsDue();
-  void SendFrame();
-  Result<void> Send(const DeviceFrame& frame, LocaliseQuery query);
   void Judge(const LocaliseAnswer& answer, const ImageDesk::Match& match);
   Instant NextDeadline() const;
   void On(const wire::DeviceLink::Event& event);
@@ -84,6 +100,9 @@ class LiveSession final : public DeviceSession {
   Result<void> Perform(RoomCommand command);
   /// Sends, repeats and waits; `about` names it in errors. `sent` counts.
   Result<CommandReply> Await(const Command& command, const std::string& about, int& sent);
+  std::size_t ExpectedBytes() const;            // with mutex_ held
+  SessionMap CurrentMap() const;                // with mutex_ held
+  bool IsTileCurrent() const;                   // with mutex_ held
   Error NotIn() const;                          // with mutex_ held
   DevicePose CurrentPose() const;               // with mutex_ held
   ServerTime SessionNow() const;                // with mutex_ held
@@ -92,13 +111,16 @@ class LiveSession final : public DeviceSession {
 
   const DeviceOptions options_;
   const DeviceId id_;
+  const std::shared_ptr<const Tile> tile_;  // may be absent
   Inbox<Item> inbox_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
+  std::condition_variable image_due_;
 
   // Guarded by mutex_.
   JoinDesk join_;
   ImageDesk images_;
+  TileDesk tile_desk_;
   ImageSizer sizer_;
   CommandDesk commands_;
   ClockEstimator session_clock_;
@@ -120,6 +142,7 @@ class LiveSession final : public DeviceSession {
   std::atomic<bool> is_stopping_ = false;
   std::unique_ptr<wire::DeviceLink> link_;  // set before the worker starts
   std::thread worker_;
+  std::thread image_thread_;
 };
 
 }  // namespace waymark::session::internal
