@@ -10,7 +10,7 @@
 
 #include "localiser/internal/ambiguity.h"
 #include "localiser/internal/candidate.h"
-#include "localiser/internal/open_release.h"
+#include "localiser/internal/release_submaps.h"
 #include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser {
@@ -57,11 +57,10 @@ ImageFeatures Strongest(const ImageFeatures& features, std::size_t count) {
           {features.descriptors.begin(), features.descriptors.begin() + end}};
 }
 
-bool IsNear(const OpenSubmap& submap, const std::optional<PositionPrior>& prior) {
+bool IsNear(const mapping::ReleasedSubmap& submap, const std::optional<PositionPrior>& prior) {
   if (!prior) return true;
-  const Eigen::Vector3d offset =
-      submap.released().centre.coordinates() - prior->position.coordinates();
-  return offset.head<2>().norm() <= submap.released().radius_m + prior->radius_m;
+  const Eigen::Vector3d offset = submap.centre.coordinates() - prior->position.coordinates();
+  return offset.head<2>().norm() <= submap.radius_m + prior->radius_m;
 }
 
 LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, int min_inliers) {
@@ -77,15 +76,15 @@ LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, in
 struct Localiser::Impl {
   LocaliserOptions options;
   std::uint64_t epoch = 0;
-  std::shared_ptr<const internal::CoarseQuantiser> quantiser;
-  std::vector<OpenSubmap> submaps;
+  internal::ReleaseSubmaps submaps;
 
   Localisation Answer(const LocalisationRequest& request) const;
   void Search(const LocalisationRequest& request, const ImageFeatures& features,
               Localisation& answer) const;
-  std::vector<Candidate> Ask(const std::vector<const OpenSubmap*>& near,
-                             const LocalisationRequest& request, const ImageFeatures& features,
-                             StageTimes& times) const;
+  internal::TakenSubmaps TakeNear(const std::optional<PositionPrior>& prior,
+                                  StageTimes& times) const;
+  std::vector<Candidate> Ask(std::span<const OpenSubmap> near, const LocalisationRequest& request,
+                             const ImageFeatures& features, StageTimes& times) const;
 };
 
 Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
@@ -117,18 +116,30 @@ Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
   return answer;
 }
 
-std::vector<Candidate> Localiser::Impl::Ask(const std::vector<const OpenSubmap*>& near,
+internal::TakenSubmaps Localiser::Impl::TakeNear(const std::optional<PositionPrior>& prior,
+                                                 StageTimes& times) const {
+  const Stopwatch watch;
+  std::vector<std::size_t> near;
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    if (IsNear(submaps.released(i), prior)) near.push_back(i);
+  }
+  internal::TakenSubmaps taken = submaps.Take(near);
+  times.opening_ms = 1e3 * watch.ElapsedS();
+  return taken;
+}
+
+std::vector<Candidate> Localiser::Impl::Ask(std::span<const OpenSubmap> near,
                                             const LocalisationRequest& request,
                                             const ImageFeatures& features,
                                             StageTimes& times) const {
   std::vector<Candidate> candidates;
   const Stopwatch ranking;
-  const internal::RankedCells cells = quantiser->Rank(features.descriptors, options.probes);
+  const internal::RankedCells cells =
+      submaps.quantiser().Rank(features.descriptors, options.probes);
   times.search_ms += 1e3 * ranking.ElapsedS();
-  for (const OpenSubmap* submap : near) {
+  for (const OpenSubmap& submap : near) {
     candidates.push_back(internal::CarryToMap(
-        *submap,
-        submap->localiser().Localise(features, cells, internal::SensesIn(*submap, request)),
+        submap, submap.localiser().Localise(features, cells, internal::SensesIn(submap, request)),
         request, options));
   }
   // The most inliers first; the release lists submaps by id, so that ties are settled too.
@@ -152,11 +163,14 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
                   fmt::format("the image shows {} features, at least {} are needed",
                               features.keypoints.size(), options.min_inliers));
   }
-  std::vector<const OpenSubmap*> near;
-  for (const OpenSubmap& submap : submaps) {
-    if (IsNear(submap, request.prior)) near.push_back(&submap);
-  }
+  const internal::TakenSubmaps taken = TakeNear(request.prior, answer.times);
+  const std::vector<OpenSubmap>& near = taken.submaps;
+  const std::string missing = taken.failures == 0
+                                  ? std::string()
+                                  : fmt::format("; {} submaps could not be opened, the first: {}",
+                                                taken.failures, taken.failure);
   if (near.empty()) {
+    if (taken.failures > 0) return refuse(LocalisationStatus::kNothingNear, "none" + missing);
     return refuse(LocalisationStatus::kNothingNear,
                   request.prior ? fmt::format("none of {} submaps within {:.0f} m of the prior",
                                               submaps.size(), request.prior->radius_m)
@@ -165,18 +179,19 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
   std::vector<Candidate> candidates = Ask(near, request, features, answer.times);
   Candidate& best = candidates.front();
   if (!best.pose) {
-    return refuse(
-        StatusOfRefusals(candidates, options.min_inliers),
-        fmt::format("{} features, {} submaps searched; the best, {}: {}", features.keypoints.size(),
-                    near.size(), best.submap->released().id.text(), best.refusal));
+    return refuse(StatusOfRefusals(candidates, options.min_inliers),
+                  fmt::format("{} features, {} submaps searched; the best, {}: {}{}",
+                              features.keypoints.size(), near.size(),
+                              best.submap->released().id.text(), best.refusal, missing));
   }
   const Stopwatch ambiguity_watch;
   const auto ambiguity = internal::FindAmbiguity(candidates, features, request, options);
   answer.times.pose_ms += 1e3 * ambiguity_watch.ElapsedS();
   if (ambiguity) return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
   refuse(LocalisationStatus::kLocalised,
-         fmt::format("{} of {} matches agree in submap {}, one of {} searched", best.pose->inliers,
-                     best.answer.matches.size(), best.submap->released().id.text(), near.size()));
+         fmt::format("{} of {} matches agree in submap {}, one of {} searched{}",
+                     best.pose->inliers, best.answer.matches.size(),
+                     best.submap->released().id.text(), near.size(), missing));
   answer.pose = std::move(best.pose);
 }
 
@@ -185,15 +200,10 @@ Result<std::shared_ptr<const Localiser>> Localiser::Create(const mapping::MapDir
                                                            const LocaliserOptions& options,
                                                            const Localiser* before) {
   WAYMARK_TRY(options.Validate());
-  auto impl = std::make_unique<Impl>();
-  impl->options = options;
-  impl->epoch = release.epoch;
-  const std::span<const OpenSubmap> shared =
-      before != nullptr ? std::span<const OpenSubmap>(before->impl_->submaps)
-                        : std::span<const OpenSubmap>();
-  WAYMARK_TRY_ASSIGN(impl->submaps, internal::OpenSubmaps(map, release, shared));
-  impl->quantiser = internal::IndexSubmaps(
-      impl->submaps, before != nullptr ? before->impl_->quantiser : nullptr, options);
+  WAYMARK_TRY_ASSIGN(auto submaps, internal::ReleaseSubmaps::Open(
+                                       map, release, options,
+                                       before != nullptr ? &before->impl_->submaps : nullptr));
+  auto impl = std::make_unique<Impl>(Impl{options, release.epoch, std::move(submaps)});
   return std::shared_ptr<const Localiser>(new Localiser(std::move(impl)));
 }
 
@@ -202,6 +212,7 @@ Localiser::~Localiser() = default;
 
 std::uint64_t Localiser::epoch() const { return impl_->epoch; }
 std::size_t Localiser::submap_count() const { return impl_->submaps.size(); }
+LocaliserMemory Localiser::memory() const { return impl_->submaps.memory(); }
 
 Localisation Localiser::Localise(const LocalisationRequest& request) const {
   const Stopwatch watch;

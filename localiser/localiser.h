@@ -47,6 +47,7 @@ enum class LocalisationStatus : std::uint8_t {
 std::string_view LocalisationStatusName(LocalisationStatus status);  ///< "localised", …
 
 struct StageTimes {
+  double opening_ms = 0;  ///< waiting for submaps that were not in memory
   double features_ms = 0;
   double search_ms = 0;
   double pose_ms = 0;
@@ -84,9 +85,25 @@ struct LocaliserOptions {
   std::size_t probes = 16;
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
   Angle max_gravity_error = Angle::Degrees(8);  ///< phones and submaps are each good to 1 or 2
+  /// Of submaps in memory, with the pages of their files; 0: no limit, all are opened at once.
+  /// With one, a submap is opened when a request needs it, and that request waits: an answer from
+  /// what happens to be open would depend on who asked before, and copies of a place that lie in
+  /// the others would go unseen. What requests under way use comes on top of the budget.
+  std::size_t memory_budget_bytes = 0;
   std::uint64_t seed = 1;
 
   Result<void> Validate() const;
+};
+
+/// What submaps take of the memory. Releases that share submaps share these figures.
+struct LocaliserMemory {
+  std::size_t budget_bytes = 0;  ///< 0: no limit
+  std::size_t resident_bytes = 0;
+  std::size_t peak_bytes = 0;  ///< of resident_bytes
+  std::size_t resident_submaps = 0;
+  std::uint64_t openings = 0;   ///< while serving
+  std::uint64_t evictions = 0;
+  double opening_ms = 0;  ///< of all openings together
 };
 
 /// Answers requests against one release. Immutable, thread-safe: many threads may ask at once.
@@ -94,7 +111,8 @@ struct LocaliserOptions {
 class Localiser {
  public:
   /// Opens every submap of the release and indexes its descriptors, on all cores; calls the C
-  /// library's srand. With `before`, made with the same options for another release of the map,
+  /// library's srand. With a memory budget it opens them to check them, and closes them again; then
+  /// a submap whose file is gone later is left out of answers, whose reason says so. With `before`, made with the same options for another release of the map,
   /// submaps that both have are shared with it: only new ones are read.
   /// Errors: those of the map directory and its submaps; Corrupt when a file is not what its name,
   /// a content hash, says or the release places it nowhere.
@@ -106,6 +124,7 @@ class Localiser {
 
   std::uint64_t epoch() const;
   std::size_t submap_count() const;
+  LocaliserMemory memory() const;
   Localisation Localise(const LocalisationRequest& request) const;
 
  private:

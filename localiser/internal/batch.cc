@@ -111,4 +111,16 @@ std::string Summarise(std::span<const LocalisedImage> images) {
   return summary;
 }
 
+std::string Describe(const LocaliserMemory& memory) {
+  const auto megabytes = [](std::size_t bytes) { return 1e-6 * static_cast<double>(bytes); };
+  std::string text = fmt::format("{} submaps in memory, {:.1f} MB", memory.resident_submaps,
+                                 megabytes(memory.resident_bytes));
+  if (memory.budget_bytes == 0) return text;
+  const double each_ms =
+      memory.opening_ms / static_cast<double>(std::max<std::uint64_t>(1, memory.openings));
+  return text + fmt::format(" (most {:.1f} of {:.1f}); {} opened in {:.0f} ms each, {} dropped",
+                            megabytes(memory.peak_bytes), megabytes(memory.budget_bytes),
+                            memory.openings, each_ms, memory.evictions);
+}
+
 }  // namespace waymark::localiser::internal

@@ -41,4 +41,7 @@ std::string EncodePoseTable(std::span<const LocalisedImage> images);
 /// "localised 50 of 51 images (98 %): …", with medians and the reasons of refusal counted.
 std::string Summarise(std::span<const LocalisedImage> images);
 
+/// "2 submaps in memory, 31 MB (most 35 of 40); 7 opened in 0.3 s each, 5 dropped"
+std::string Describe(const LocaliserMemory& memory);
+
 }  // namespace waymark::localiser::internal

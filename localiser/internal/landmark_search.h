@@ -57,6 +57,11 @@ class LandmarkSearch {
   LandmarkSearch(const LandmarkSearch&) = delete;
   LandmarkSearch& operator=(const LandmarkSearch&) = delete;
 
+  std::size_t bytes() const {
+    return std::span(groups_).size_bytes() + std::span(landmarks_).size_bytes() +
+           std::span(list_begins_).size_bytes();
+  }
+
   /// Visits the lists of the given cells, which come from the same quantiser; a set that is scanned
   /// whole does not need them. Deterministic.
   FoundLandmarks Match(std::span<const mapping::Descriptor> features,

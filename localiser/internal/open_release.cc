@@ -14,29 +14,18 @@ namespace {
 constexpr std::size_t kEntriesPerCell = 160;
 constexpr std::size_t kMaxCells = 4096;
 
-/// One where all submaps are so small that they are scanned whole: no cell is ever asked for.
-std::size_t WantedCells(std::span<const OpenSubmap> submaps) {
+std::size_t LargestOf(std::span<const OpenSubmap> submaps) {
   std::size_t largest = 0;
   for (const OpenSubmap& submap : submaps) {
     largest = std::max(largest, submap.descriptors().size());
   }
-  if (largest < LandmarkSearchOptions{}.exhaustive_below) return 1;
-  return std::clamp<std::size_t>(largest / kEntriesPerCell, 1, kMaxCells);
+  return largest;
 }
 
-std::shared_ptr<const CoarseQuantiser> Train(std::span<const OpenSubmap> submaps,
-                                             const LocaliserOptions& options) {
-  std::vector<std::span<const mapping::Descriptor>> sets;
-  std::size_t descriptors = 0;
-  for (const OpenSubmap& submap : submaps) {
-    sets.push_back(submap.descriptors());
-    descriptors += sets.back().size();
-  }
-  if (descriptors == 0) {
-    return std::make_shared<const CoarseQuantiser>(std::vector<mapping::Descriptor>(1));
-  }
-  return std::make_shared<const CoarseQuantiser>(
-      CoarseQuantiser::Train(sets, WantedCells(submaps), options.seed));
+/// One where all submaps are so small that they are scanned whole: no cell is ever asked for.
+std::size_t WantedCells(std::size_t largest) {
+  if (largest < LandmarkSearchOptions{}.exhaustive_below) return 1;
+  return std::clamp<std::size_t>(largest / kEntriesPerCell, 1, kMaxCells);
 }
 
 }  // namespace
@@ -61,12 +50,31 @@ Result<std::vector<OpenSubmap>> OpenSubmaps(const mapping::MapDirectory& map,
   return submaps;
 }
 
+bool IsFineEnough(const CoarseQuantiser& quantiser, std::size_t largest) {
+  constexpr std::size_t kTooCoarse = 4;  // times fewer cells than wanted
+  return WantedCells(largest) <= kTooCoarse * quantiser.size();
+}
+
+std::shared_ptr<const CoarseQuantiser> TrainQuantiser(std::span<const OpenSubmap> submaps,
+                                                      const LocaliserOptions& options) {
+  std::vector<std::span<const mapping::Descriptor>> sets;
+  std::size_t descriptors = 0;
+  for (const OpenSubmap& submap : submaps) {
+    sets.push_back(submap.descriptors());
+    descriptors += sets.back().size();
+  }
+  if (descriptors == 0) {
+    return std::make_shared<const CoarseQuantiser>(std::vector<mapping::Descriptor>(1));
+  }
+  return std::make_shared<const CoarseQuantiser>(
+      CoarseQuantiser::Train(sets, WantedCells(LargestOf(submaps)), options.seed));
+}
+
 std::shared_ptr<const CoarseQuantiser> IndexSubmaps(std::vector<OpenSubmap>& submaps,
                                                     std::shared_ptr<const CoarseQuantiser> before,
                                                     const LocaliserOptions& options) {
-  constexpr std::size_t kTooCoarse = 4;  // times fewer cells than wanted
-  const bool is_fine = before != nullptr && WantedCells(submaps) <= kTooCoarse * before->size();
-  const auto quantiser = is_fine ? std::move(before) : Train(submaps, options);
+  const bool is_fine = before != nullptr && IsFineEnough(*before, LargestOf(submaps));
+  const auto quantiser = is_fine ? std::move(before) : TrainQuantiser(submaps, options);
   ParallelFor(submaps.size(), {}, [&](std::size_t i) {
     if (submaps[i].is_indexed() && is_fine) return;
     submaps[i].Index(*quantiser, options);

@@ -17,6 +17,12 @@ Result<std::vector<OpenSubmap>> OpenSubmaps(const mapping::MapDirectory& map,
                                             const mapping::Release& release,
                                             std::span<const OpenSubmap> shared);
 
+/// Whether the cells suffice for submaps of which the largest has so many descriptors.
+bool IsFineEnough(const CoarseQuantiser& quantiser, std::size_t largest);
+/// Cells trained on descriptors of all submaps, as many as the largest one wants.
+std::shared_ptr<const CoarseQuantiser> TrainQuantiser(std::span<const OpenSubmap> submaps,
+                                                      const LocaliserOptions& options);
+
 /// Indexes submaps that are not, by `before` as long as its cells are fine enough for the largest,
 /// else all of them by a quantiser trained on them. Returns the one in use; `before` may be null.
 std::shared_ptr<const CoarseQuantiser> IndexSubmaps(std::vector<OpenSubmap>& submaps,

@@ -20,7 +20,9 @@ Result<void> CheckName(const std::filesystem::path& path, const SubmapId& id) {
                    path.string(), id.text(), found);
 }
 
-Result<void> CheckTransform(const mapping::ReleasedSubmap& released) {
+}  // namespace
+
+Result<void> OpenSubmap::CheckPlace(const mapping::ReleasedSubmap& released) {
   const Sim3& sim = released.map_from_submap.sim();
   const bool is_usable = std::isfinite(sim.scale()) && sim.scale() > 0 &&
                          sim.translation().allFinite() && sim.rotation().coeffs().allFinite() &&
@@ -30,6 +32,8 @@ Result<void> CheckTransform(const mapping::ReleasedSubmap& released) {
   return MakeError(ErrorCode::kCorrupt, "release: submap {} has no usable map_from_submap",
                    released.id.text());
 }
+
+namespace {
 
 Result<void> CheckLandmarks(const std::filesystem::path& path, const mapping::SubmapView& view) {
   const auto landmarks = view.landmarks_in_submap();
@@ -49,7 +53,7 @@ Result<void> CheckLandmarks(const std::filesystem::path& path, const mapping::Su
 
 Result<OpenSubmap> OpenSubmap::Open(const std::filesystem::path& path,
                                     const mapping::ReleasedSubmap& released) {
-  WAYMARK_TRY(CheckTransform(released));
+  WAYMARK_TRY(CheckPlace(released));
   WAYMARK_TRY(CheckName(path, released.id));
   WAYMARK_TRY_ASSIGN(mapping::SubmapView view, mapping::SubmapView::Open(path));
   WAYMARK_TRY(CheckLandmarks(path, view));
@@ -58,7 +62,7 @@ Result<OpenSubmap> OpenSubmap::Open(const std::filesystem::path& path,
 
 Result<OpenSubmap> OpenSubmap::PlacedBy(const mapping::ReleasedSubmap& released) const {
   CHECK(released.id == released_.id, "{} is not {}", released.id.text(), released_.id.text());
-  WAYMARK_TRY(CheckTransform(released));
+  WAYMARK_TRY(CheckPlace(released));
   OpenSubmap placed = *this;
   placed.released_ = released;
   return placed;
@@ -68,6 +72,13 @@ void OpenSubmap::Index(const CoarseQuantiser& quantiser, const LocaliserOptions&
   localiser_ =
       std::make_shared<const SubmapLocaliser>(view_->landmarks_in_submap(), view_->descriptors(),
                                               view_->observed_landmarks(), quantiser, options);
+}
+
+std::size_t OpenSubmap::bytes() const {
+  constexpr std::size_t kSighting =
+      sizeof(mapping::Descriptor) + 2 * sizeof(std::uint32_t) + sizeof(mapping::PixelF);
+  return view_->landmarks_in_submap().size_bytes() + kSighting * view_->descriptors().size() +
+         (localiser_ != nullptr ? localiser_->bytes() : 0);
 }
 
 }  // namespace waymark::localiser::internal

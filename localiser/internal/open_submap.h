@@ -28,9 +28,13 @@ class OpenSubmap {
   /// Makes it searchable by this quantiser's cells. Copies keep the index they have.
   void Index(const CoarseQuantiser& quantiser, const LocaliserOptions& options);
 
+  /// Errors: Corrupt when the release gives no usable transform.
+  static Result<void> CheckPlace(const mapping::ReleasedSubmap& released);
+
   const mapping::ReleasedSubmap& released() const { return released_; }
   std::span<const mapping::Descriptor> descriptors() const { return view_->descriptors(); }
   const mapping::SubmapView& view() const { return *view_; }
+  std::size_t bytes() const;  ///< in memory, the file's own pages included
   bool is_indexed() const { return localiser_ != nullptr; }
   const SubmapLocaliser& localiser() const { return *localiser_; }
 

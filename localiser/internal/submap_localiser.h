@@ -37,6 +37,8 @@ class SubmapLocaliser {
                   std::span<const std::uint32_t> observed_landmarks,
                   const CoarseQuantiser& quantiser, const LocaliserOptions& options);
 
+  std::size_t bytes() const { return search_.bytes(); }  ///< of its own, not of what it borrows
+
   /// The cells are those of the features, ranked by the same quantiser.
   SubmapAnswer Localise(const mapping::ImageFeatures& features, const RankedCells& cells,
                         const ImageSenses& senses) const;

@@ -16,6 +16,7 @@ namespace {
 struct Arguments {
   std::string map, query, out, camera, list;
   int threads = 0;
+  double memory_mb = 0;
   bool no_prior = false;
   bool verbose = false;
 };
@@ -47,7 +48,9 @@ Result<void> Localise(const Arguments& arguments) {
   }
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  WAYMARK_TRY_ASSIGN(const auto localiser, Localiser::Create(map, release, {}));
+  const LocaliserOptions localising{
+      .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.memory_mb)};
+  WAYMARK_TRY_ASSIGN(const auto localiser, Localiser::Create(map, release, localising));
   LogInfo("{}: epoch {}, {} submaps; {} images to localise", arguments.map, release.epoch,
           release.submaps.size(), images.size());
 
@@ -63,7 +66,7 @@ Result<void> Localise(const Arguments& arguments) {
   const auto answers = internal::LocaliseBatch(*localiser, images, options, progress);
   if (arguments.verbose) ReportRefusals(answers);
   WAYMARK_TRY(StoreFileAtomically(arguments.out, internal::EncodePoseTable(answers)));
-  fmt::print("{}\n", internal::Summarise(answers));
+  fmt::print("{}\n{}\n", internal::Summarise(answers), internal::Describe(localiser->memory()));
   return {};
 }
 
@@ -85,6 +88,9 @@ int Run(int argc, char** argv) {
                  "KIND,width,height,parameters; without it kapture's, or a guess from the size");
   app.add_option("--images", arguments.list, "a text file that names the images to localise");
   app.add_option("--threads", arguments.threads, "0: all cores")->check(CLI::Range(0, 1024));
+  app.add_option("--memory-mb", arguments.memory_mb,
+                 "budget of submaps in memory, in 10^6 bytes; 0: all of them")
+      ->check(CLI::Range(0.0, 1e9));
   app.add_flag("--no-prior", arguments.no_prior, "search the whole map, whatever GNSS says");
   app.add_flag("--verbose", arguments.verbose, "say of each refused image why");
   CLI11_PARSE(app, argc, argv);

@@ -113,5 +113,18 @@ TEST(PoseTable, HasOneLinePerImageAndQuotesOddNames) {
   EXPECT_THAT(Summarise(images), testing::HasSubstr("too few matches: 1"));
 }
 
+TEST(MemoryReport, SaysWhatABudgetCost) {
+  EXPECT_EQ(internal::Describe({.resident_bytes = 2'500'000, .resident_submaps = 2}),
+            "2 submaps in memory, 2.5 MB");
+  EXPECT_EQ(internal::Describe({.budget_bytes = 4'000'000,
+                                .resident_bytes = 2'500'000,
+                                .peak_bytes = 3'500'000,
+                                .resident_submaps = 2,
+                                .openings = 3,
+                                .evictions = 1,
+                                .opening_ms = 600}),
+            "2 submaps in memory, 2.5 MB (most 3.5 of 4.0); 3 opened in 200 ms each, 1 dropped");
+}
+
 }  // namespace
 }  // namespace waymark::localiser::internal

@@ -41,6 +41,7 @@ class MapOnDisk {
     return *id;
   }
   mapping::Release& release() { return release_; }
+  const mapping::Release& release() const { return release_; }
 
  private:
   static std::filesystem::path MakeFolder() {
