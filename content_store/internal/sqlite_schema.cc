@@ -125,7 +125,6 @@ Result<void> PrepareSqliteSchema(soci::session& sql, const std::string& name,
                      "{}: expected a write-ahead log, found journal mode {}", name, journal);
   }
   sql << "PRAGMA synchronous = FULL";
-  sql << "PRAGMA wal_autocheckpoint = " << options.checkpoint_pages;
   if (version < kSchemaVersion) {
     WAYMARK_TRY(Upgrade(sql, name));
     WAYMARK_TRY_ASSIGN(version, CheckSchema(sql, name));

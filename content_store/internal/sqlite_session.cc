@@ -41,6 +41,10 @@ std::string_view Explanation(int sqlite_result) {
   }
 }
 
+sqlite_api::sqlite3* Native(soci::session& sql) {
+  return static_cast<soci::sqlite3_session_backend*>(sql.get_backend())->conn_;
+}
+
 }  // namespace
 
 Error DescribeSqlite(const std::string& name, const std::exception& exception) {
@@ -80,6 +84,7 @@ Result<std::unique_ptr<SqliteSession>> SqliteSession::Open(const std::filesystem
   }
   try {
     WAYMARK_TRY(PrepareSqliteSchema(session->sql(), session->name(), options));
+    session->checkpoints_.emplace(Native(session->sql()), options);
   } catch (const std::exception& exception) {
     return DescribeSqlite(session->name(), exception);
   }

@@ -6,10 +6,12 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "content_store/anchor_store.h"
 #include "content_store/internal/anchor_tables.h"
+#include "content_store/internal/sqlite_checkpoints.h"
 #include "mapping/base/result.h"
 
 namespace waymark::content::internal {
@@ -34,6 +36,7 @@ class SqliteSession {
 
   const std::string name_;
   soci::session sql_;
+  std::optional<SqliteCheckpoints> checkpoints_;
 };
 
 }  // namespace waymark::content::internal

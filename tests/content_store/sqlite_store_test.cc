@@ -5,9 +5,11 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "content_store/anchor_store.h"
 #include "content_store/store_check.h"
@@ -113,6 +115,27 @@ TEST_F(SqliteStore, AWriteWaitsForAnotherProcessAndThenSaysSo) {
   EXPECT_TRUE((*store)->LoadRoom(RoomId("room"))) << "readers do not wait";
   sqlite3_close(other);
   Applied((*store)->Create(MakeAnchor(1)));
+}
+
+TEST_F(SqliteStore, ItsLogStaysSmallAlsoUnderReadersWhoNeverPause) {
+  constexpr int kPages = 100;
+  auto store = OpenSqliteStore(file_, {.checkpoint_pages = kPages, .limits = StoreLimits::None()});
+  ASSERT_TRUE(store);
+  std::atomic<bool> is_ending = false;
+  std::vector<std::jthread> readers;
+  for (int r = 0; r < 3; ++r) {
+    readers.emplace_back([&] {
+      while (!is_ending) EXPECT_TRUE((*store)->LoadRoom(RoomId("room")));
+    });
+  }
+  std::uintmax_t largest_bytes = 0;
+  for (std::uint64_t n = 0; n < 600; ++n) {  // about 7 pages each
+    Applied((*store)->Create(MakeAnchor(n)));
+    largest_bytes = std::max(largest_bytes, fs::file_size(file_.string() + "-wal"));
+  }
+  is_ending = true;
+  readers.clear();
+  EXPECT_LT(largest_bytes, std::uintmax_t{4} * kPages * 4096);
 }
 
 TEST_F(SqliteStore, CheckFindsWhatReadingCannotSee) {
