@@ -60,13 +60,19 @@ std::vector<PostgresRows> PostgresPipeline::Await() {
   std::vector<PostgresRows> answers;
   std::optional<PostgresRows> failed;
   PGresult* first_failure = nullptr;
+  bool is_cut_off = false, has_ended = false;
   while (groups_ > 0) {
     PGresult* const result = PQgetResult(connection_);
     if (result == nullptr) {  // the end of one statement's answer
-      if (PQstatus(connection_) == CONNECTION_OK) continue;
+      // A second end says that nothing is under way, though answers are missing: the server has
+      // said goodbye, and libpq has not read yet that it hung up.
+      is_cut_off = std::exchange(has_ended, true) || PQstatus(connection_) != CONNECTION_OK;
+      if (!is_cut_off) continue;
+      (void)PQconsumeInput(connection_);
       groups_ = 0;
       break;
     }
+    has_ended = false;
     PostgresRows rows(result);
     const ExecStatusType status = PQresultStatus(result);
     if (status == PGRES_PIPELINE_SYNC) {
@@ -79,7 +85,7 @@ std::vector<PostgresRows> PostgresPipeline::Await() {
     }
   }
   if (failed) Throw(first_failure);
-  if (PQstatus(connection_) != CONNECTION_OK) Throw(nullptr);
+  if (is_cut_off || PQstatus(connection_) != CONNECTION_OK) Throw(nullptr);
   return answers;
 }
 
