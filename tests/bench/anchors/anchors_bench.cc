@@ -141,6 +141,7 @@ void MeasureCold(const fs::path& file, const content::StoreOptions& options, con
   Writer writer(**store, city, next, arguments.group);
   Print("while one writes, nothing of the file in memory before",
         MeasureQueries(**store, city, rooms, std::uint64_t{1} << 32, kQueries));
+  (void)writer.Stop();
 }
 
 /// A store that is kept: filled up, then asked.
