@@ -23,7 +23,7 @@ namespace waymark::localiser {
 /// Where the phone believes to be, from its GNSS. Heights are not compared.
 struct PositionPrior {
   Point<Map> position;
-  /// Submaps whose circle comes within this are searched; a pose beyond twice this is refused.
+  /// Submaps whose circle comes within this are searched; a pose beyond this is refused.
   double radius_m = 50;
 };
 

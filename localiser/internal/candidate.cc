@@ -35,7 +35,7 @@ std::optional<std::string> FindContradiction(const LocalisedPose& pose,
         (pose.map_from_camera.translation() - request.prior->position.coordinates())
             .head<2>()
             .norm();
-    if (distance_m > 2 * request.prior->radius_m) {
+    if (distance_m > request.prior->radius_m) {
       return fmt::format("the pose of {} inliers is {:.0f} m from a prior of {:.0f} m",
                          pose.inliers, distance_m, request.prior->radius_m);
     }

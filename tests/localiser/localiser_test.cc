@@ -59,7 +59,7 @@ TEST_F(LocaliserTest, OnlySubmapsNearThePriorAreSearched) {
 TEST_F(LocaliserTest, APoseFarFromThePriorIsRefused) {
   disk_.Add(place_.Model(), kMapFromSubmap, 500);
   LocalisationRequest request = Request(place_.Viewpoint(0));
-  request.prior = PositionPrior{Point<Map>(300, -40, 0), 50};
+  request.prior = PositionPrior{Point<Map>(155, -40, 0), 50};
   const Localisation answer = Open()->Localise(request);
   EXPECT_EQ(answer.status, LocalisationStatus::kNoConsistentPose);
   EXPECT_THAT(answer.reason, testing::HasSubstr("prior"));
