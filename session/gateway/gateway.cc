@@ -19,7 +19,7 @@ using internal::Phone;
 
 namespace {
 
-constexpr std::chrono::milliseconds kGathering{4};  // adds half of it to the age of a pose
+constexpr std::chrono::milliseconds kGathering{2};  // adds half of it to the age of a pose
 
 keys::WallTime WallNow() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());

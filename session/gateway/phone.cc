@@ -115,21 +115,16 @@ void Phone::OnHello(Hello hello) {
   }
   attempt_ = hello.attempt;
   auto room = calls_.enter(shared_from_this(), hello.room);
-  if (room) hello_ = hello;
-  auto ear = room ? (*room)->line().ListenFor(hello.device,
-                                              [weak = weak_from_this()](const wire::Downward& m) {
-                                                if (const auto self = weak.lock()) self->Hear(m);
-                                              })
-                  : Result<std::unique_ptr<wire::RoomLine::Ear>>(room.error());
-  if (!ear) {
-    LogWarning("{}: {}", peer(), ToString(ear.error()));
-    return Close(ear.error().message);
+  if (!room) {
+    LogWarning("{}: {}", peer(), ToString(room.error()));
+    return Close(room.error().message);
   }
+  hello_ = hello;
   {
     const std::lock_guard lock(mutex_);
-    room_ = *std::move(room);
-    ear_ = *std::move(ear);
+    room_ = *room;
   }
+  (*room)->ListenFor(hello.device, shared_from_this());
   Say(std::move(hello));
 }
 
@@ -196,12 +191,9 @@ void Phone::OnEnd(const Error& why) {
 }
 
 void Phone::Detach(bool is_over) {
-  // Let go of after the lock: their threads may be at work.
-  std::unique_ptr<wire::RoomLine::Ear> ear;
   std::shared_ptr<Room> room;
   {
     const std::lock_guard lock(mutex_);
-    ear = std::move(ear_);
     room = std::move(room_);
   }
   if (room && is_over) room->line().Forget(hello_->device);

@@ -82,6 +82,8 @@ class Phone : public std::enable_shared_from_this<Phone> {
   void Tell(const wire::SharedFrame& frame, std::optional<wire::Slot> slot) {
     channel_->Send(frame, slot);
   }
+  /// Takes what it alone is told. Called on DDS threads.
+  void Hear(const wire::Downward& message);
   const std::string& peer() const { return channel_->peer(); }
 
  private:
@@ -92,7 +94,6 @@ class Phone : public std::enable_shared_from_this<Phone> {
   void OnHello(Hello hello);
   void Refuse(const Hello& hello, const std::string& why);
   void Say(wire::Upward message);
-  void Hear(const wire::Downward& message);  // what it alone is told, on DDS threads
   void Hear(const Welcome& welcome);
   void OnEnd(const Error& why);
 
@@ -111,7 +112,6 @@ class Phone : public std::enable_shared_from_this<Phone> {
   mutable std::mutex mutex_;
   // Guarded by mutex_.
   std::shared_ptr<Room> room_;
-  std::unique_ptr<wire::RoomLine::Ear> ear_;
   Ticket ticket_{};
   Stance stance_;
 };

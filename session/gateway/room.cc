@@ -24,6 +24,11 @@ void Room::Enter(const PhonePtr& phone) {
   waiting_.insert(phone);
 }
 
+void Room::ListenFor(const DeviceId& device, const PhonePtr& phone) {
+  const std::lock_guard lock(mutex_);
+  by_device_.emplace(device, phone);
+}
+
 void Room::Admit(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
   if (waiting_.erase(phone) == 0) return;
@@ -41,6 +46,7 @@ bool Room::Leave(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
   waiting_.erase(phone);
   phones_.erase(phone);
+  std::erase_if(by_device_, [&](const auto& entry) { return entry.second == phone; });
   return phones_.empty() && waiting_.empty();
 }
 
@@ -48,7 +54,27 @@ void Room::TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slo
   for (const auto& [phone, listener] : phones_) phone->Tell(frame, slot);
 }
 
+// To the devices of other gateways too.
+void Room::TellOne(const DeviceId& device, const wire::Downward& message) {
+  std::vector<PhonePtr> phones;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto [begin, end] = by_device_.equal_range(device);
+    for (auto entry = begin; entry != end; ++entry) phones.push_back(entry->second);
+  }
+  for (const PhonePtr& phone : phones) phone->Hear(message);
+}
+
 void Room::Hear(const wire::Downward& message) {
+  if (const auto* welcome = std::get_if<Welcome>(&message)) {
+    return TellOne(welcome->device, message);
+  }
+  if (const auto* answer = std::get_if<LocaliseAnswer>(&message)) {
+    return TellOne(answer->device, message);
+  }
+  if (const auto* reply = std::get_if<CommandReply>(&message)) {
+    return TellOne(reply->device, message);
+  }
   const bool is_poses = std::holds_alternative<PoseBatch>(message);
   const wire::SharedFrame frame = is_poses ? nullptr : wire::Share(wire::EncodeFrame(message));
   const std::lock_guard lock(mutex_);

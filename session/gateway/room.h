@@ -25,6 +25,8 @@ class Room : public std::enable_shared_from_this<Room> {
 
   /// The phone waits at the door: it keeps the room open and is told nothing.
   void Enter(const PhonePtr& phone);
+  /// From now on it hears what is said to its device alone, until it leaves.
+  void ListenFor(const DeviceId& device, const PhonePtr& phone);
   /// From now on it is told what the room is told, after all that still holds of what was; unless
   /// it left meanwhile.
   void Admit(const PhonePtr& phone);
@@ -44,6 +46,7 @@ class Room : public std::enable_shared_from_this<Room> {
 
   // On DDS threads.
   void Hear(const wire::Downward& message);
+  void TellOne(const DeviceId& device, const wire::Downward& message);
   void On(const PoseBatch& batch, const wire::SharedFrame&);
   void On(const Presence& presence, const wire::SharedFrame& frame);
   void On(const wire::DeviceGone& gone, const wire::SharedFrame& frame);
@@ -61,6 +64,7 @@ class Room : public std::enable_shared_from_this<Room> {
   std::mutex mutex_;
   // Guarded by mutex_.
   std::set<PhonePtr> waiting_;
+  std::multimap<DeviceId, PhonePtr> by_device_;  // several connections may say the same name
   std::map<PhonePtr, PoseRelay::Listener> phones_;
   PoseRelay relay_;
   PoseBatch tick_;  // the one heard last, without poses

@@ -50,8 +50,10 @@ void Publisher::Log(const RoomId& room, const Welcome& welcome, ServerTime now) 
 void Publisher::Do(const effect::SendWelcome& effect, ServerTime now) {
   const DeviceId& device = effect.welcome.device;
   const auto open = open_devices_.find(device);
-  if (open == open_devices_.end() || open->second != effect.room) {
-    const bool is_refused = effect.welcome.verdict != JoinVerdict::kAccepted;
+  const bool is_refused = effect.welcome.verdict != JoinVerdict::kAccepted;
+  // Who says its name without the right to it takes nothing from it.
+  const bool has_moved = !is_refused && bus_.HasChangedItsWay(device);
+  if (open == open_devices_.end() || open->second != effect.room || has_moved) {
     if (open_devices_.size() >= kMaxOpenDevices) return;
     if (is_refused && closing_devices_.size() >= kMaxRefusedDevices) return;
     const Result<void> opened = bus_.OpenDevice(effect.room, device);
@@ -129,6 +131,7 @@ void Publisher::TellDevices(const effect::PublishPoses& effect, ServerTime now) 
       batch.poses.push_back(relay.poses()[slot]);
     }
     if (batch.poses.empty()) continue;
+    batch.time = clock_();
     ++counters_.pose_batches;
     LogFailure(bus_.Send(device, batch));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <utility>
 #include <variant>
@@ -17,8 +18,11 @@ namespace waymark::session {
 /// Thread-compatible; times are the session's.
 class Publisher {
  public:
-  Publisher(wire::ServerBus& bus, const RelayOptions& relay, ServerCounters& counters)
-      : bus_(bus), relay_options_(relay), counters_(counters) {}
+  using Clock = std::function<ServerTime()>;
+
+  /// `clock` stamps what is sent when it is sent: a tick for many devices takes a while.
+  Publisher(wire::ServerBus& bus, const RelayOptions& relay, ServerCounters& counters, Clock clock)
+      : bus_(bus), relay_options_(relay), counters_(counters), clock_(std::move(clock)) {}
 
   void Do(const effect::OpenRoom& effect, ServerTime now);
   void Do(const effect::CloseRoom& effect, ServerTime now);
@@ -56,6 +60,7 @@ class Publisher {
   wire::ServerBus& bus_;
   const RelayOptions relay_options_;
   ServerCounters& counters_;
+  const Clock clock_;
   ServerTime log_second_;    // refusals are logged by the second
   int refusals_logged_ = 0;  // in it
   std::map<DeviceId, RoomId> open_devices_;

@@ -79,7 +79,7 @@ class Server::Loop {
                                  options.BusOptions(),
                                  [this](wire::Upward message) { Receive(std::move(message)); },
                                  [this](GatewayReport report) { Receive(std::move(report)); }));
-    publisher_.emplace(*bus_, options.relay, counters_);
+    publisher_.emplace(*bus_, options.relay, counters_, Now);
     thread_ = std::thread([this] { Work(); });
     return {};
   }

@@ -72,6 +72,7 @@ void PoseRelay::Clear() {
 void PoseRelay::FinishHearing() {
   ++ticks_;
   grid_.Clear();
+  seen_.resize(entries_.size());
   for (Slot slot = 0; slot < entries_.size(); ++slot) {
     Entry& entry = entries_[slot];
     if (!entry.is_here) continue;
@@ -81,7 +82,10 @@ void PoseRelay::FinishHearing() {
       free_.push_back(slot);
       continue;
     }
-    grid_.Add(slot, poses_[slot].pose.map_from_device.translation());
+    const LivePose& pose = poses_[slot].pose;
+    seen_[slot] = {pose.map_from_device.translation(),
+                   std::max(pose.velocity_in_map.norm(), kLeastSpeed_mps)};
+    grid_.Add(slot, seen_[slot].position_m);
   }
   grid_.Sort();
 }
@@ -125,30 +129,27 @@ double PoseRelay::SinceTold_s(Slot slot, const Listener& listener) const {
 
 PoseRelay::Candidate PoseRelay::Weigh(Slot slot, const std::optional<Viewpoint>& viewpoint,
                                       const Listener& listener) const {
-  double motion = 0;
-  if (viewpoint) {
-    const LivePose& pose = poses_[slot].pose;
-    const Eigen::Vector3d towards = pose.map_from_device.translation() - viewpoint->position_m;
-    const double distance_m = std::max(towards.norm(), kLeastDistance_m);
-    motion = std::max(pose.velocity_in_map.norm(), kLeastSpeed_mps) / distance_m;
-    const bool is_out_of_view =
-        !viewpoint->gaze.isZero() && viewpoint->gaze.dot(towards) < kInView * towards.norm();
-    if (is_out_of_view) motion *= kOutOfViewCounts;
-  }
-  return {slot, motion, motion * SinceTold_s(slot, listener)};
+  if (!viewpoint) return {slot, 0, 0, 0};
+  const Seen& seen = seen_[slot];
+  const Eigen::Vector3d towards = seen.position_m - viewpoint->position_m;
+  const double distance_m = towards.norm();
+  double motion = seen.speed_mps / std::max(distance_m, kLeastDistance_m);
+  const bool is_out_of_view =
+      !viewpoint->gaze.isZero() && viewpoint->gaze.dot(towards) < kInView * distance_m;
+  if (is_out_of_view) motion *= kOutOfViewCounts;
+  return {slot, motion, motion * SinceTold_s(slot, listener), distance_m};
 }
 
-bool PoseRelay::IsDue(const Candidate& candidate, const std::optional<Viewpoint>& viewpoint,
-                      const Listener& listener) const {
-  const Entry& entry = entries_[candidate.slot];
-  if (!entry.is_here || poses_[candidate.slot].number == listener.number_) return false;
-  if (entry.version == listener.told_[candidate.slot].version) return false;
-  if (candidate.moved >= kSeen_rad || SinceTold_s(candidate.slot, listener) >= kLongest_s) {
-    return true;
-  }
-  if (!viewpoint) return true;  // it sees none of them, but may soon
-  const auto& position_m = poses_[candidate.slot].pose.map_from_device.translation();
-  return (position_m - viewpoint->position_m).squaredNorm() <= kNear_m * kNear_m;
+bool PoseRelay::IsNew(Slot slot, const Listener& listener) const {
+  const Entry& entry = entries_[slot];
+  return entry.is_here && entry.version != listener.told_[slot].version;
+}
+
+// Without a viewpoint it sees none of them, but may soon.
+bool PoseRelay::IsDue(const Candidate& candidate, const Listener& listener) const {
+  return (candidate.distance_m <= kNear_m || candidate.moved >= kSeen_rad ||
+          SinceTold_s(candidate.slot, listener) >= kLongest_s) &&
+         poses_[candidate.slot].number != listener.number_;
 }
 
 void PoseRelay::Tell(Slot slot, Listener& listener) {
@@ -169,8 +170,9 @@ void PoseRelay::ChooseNeighbours(const Viewpoint& viewpoint, std::size_t places,
       const std::size_t after_begin = (position++ + near.count - begin) % near.count;
       if (after_begin >= count) continue;
       ++looks_;
+      if (!IsNew(standing.slot, listener)) continue;
       const Candidate candidate = Weigh(standing.slot, viewpoint, listener);
-      if (IsDue(candidate, viewpoint, listener)) candidates_.push_back(candidate);
+      if (IsDue(candidate, listener)) candidates_.push_back(candidate);
     }
   }
   if (candidates_.size() > places) {
@@ -192,7 +194,8 @@ void PoseRelay::ChooseInTurn(const std::optional<Viewpoint>& viewpoint, std::siz
     if (listener.turn_ >= entries_.size()) listener.turn_ = 0;
     const Slot slot = listener.turn_++;
     ++looks_;
-    if (IsDue(Weigh(slot, viewpoint, listener), viewpoint, listener)) Tell(slot, listener);
+    if (!IsNew(slot, listener)) continue;
+    if (IsDue(Weigh(slot, viewpoint, listener), listener)) Tell(slot, listener);
   }
 }
 

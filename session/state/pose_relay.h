@@ -84,8 +84,14 @@ class PoseRelay {
   };
   struct Candidate {
     Slot slot;
-    double motion;  ///< on the screen, rad/s
-    double moved;   ///< since it was last told, rad
+    double motion;      ///< on the screen, rad/s
+    double moved;       ///< since it was last told, rad
+    double distance_m;  ///< 0 without a viewpoint
+  };
+  /// What is asked of every pose for every listener, close together in memory.
+  struct Seen {
+    Eigen::Vector3d position_m;
+    double speed_mps;
   };
   /// From where the choice is made.
   struct Viewpoint {
@@ -96,8 +102,8 @@ class PoseRelay {
   std::optional<Viewpoint> ViewpointOf(const Listener& listener) const;
   Candidate Weigh(Slot slot, const std::optional<Viewpoint>& viewpoint,
                   const Listener& listener) const;
-  bool IsDue(const Candidate& candidate, const std::optional<Viewpoint>& viewpoint,
-             const Listener& listener) const;
+  bool IsNew(Slot slot, const Listener& listener) const;
+  bool IsDue(const Candidate& candidate, const Listener& listener) const;
   std::size_t PlacesFor(Listener& listener) const;
   void ChooseNeighbours(const Viewpoint& viewpoint, std::size_t places, Listener& listener);
   void ChooseInTurn(const std::optional<Viewpoint>& viewpoint, std::size_t places,
@@ -112,6 +118,7 @@ class PoseRelay {
   std::uint32_t last_version_ = 0;
   std::vector<SharedPose> poses_;  // by slot
   std::vector<Entry> entries_;     // by slot
+  std::vector<Seen> seen_;         // by slot; of the tick
   std::vector<Slot> free_;
   std::unordered_map<DeviceNumber, Slot> slots_;
   PoseGrid grid_;

@@ -53,7 +53,7 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
-  WAYMARK_TRY(readers.ListenToOwn(room, device, handler));
+  WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<PoseBatch>(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.ListenToRoom(room, handler));

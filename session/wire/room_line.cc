@@ -1,18 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/wire/room_line.h"
 
-#include "session/wire/device_link.h"
 #include "session/wire/internal/readers.h"
 
 namespace waymark::session::wire {
 namespace {
-
-struct OwnEar final : RoomLine::Ear {
-  explicit OwnEar(std::shared_ptr<dds::Participant> participant)
-      : readers(std::move(participant)) {}
-
-  Readers readers;
-};
 
 waymark_Hello KeyOf(const DeviceId& device) {
   waymark_Hello key{};
@@ -46,6 +38,7 @@ Result<std::unique_ptr<RoomLine>> RoomLine::Create(std::shared_ptr<dds::Particip
                                       Readers(participant)});
   WAYMARK_TRY(impl->readers.ListenToRoom(room, handler, on_lost));
   WAYMARK_TRY(impl->readers.Listen<PoseBatch>(DownPartition(room), handler));
+  WAYMARK_TRY(impl->readers.ListenToOwn(GatewayDownPartition(room), handler));
   return std::unique_ptr<RoomLine>(new RoomLine(std::move(impl)));
 }
 
@@ -74,14 +67,6 @@ Result<void> RoomLine::Send(const Upward& message) {
 void RoomLine::Forget(const DeviceId& device) {
   const waymark_Hello key = KeyOf(device);
   impl_->hello.Forget(&key);
-}
-
-Result<std::unique_ptr<RoomLine::Ear>> RoomLine::ListenFor(const DeviceId& device,
-                                                           Handler handler) {
-  WAYMARK_TRY(CheckIdentity(impl_->room, device));
-  auto ear = std::make_unique<OwnEar>(impl_->participant);
-  WAYMARK_TRY(ear->readers.ListenToOwn(impl_->room, device, handler));
-  return std::unique_ptr<Ear>(std::move(ear));
 }
 
 }  // namespace waymark::session::wire

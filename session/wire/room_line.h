@@ -16,7 +16,8 @@ class RoomLine {
   /// Called on DDS threads: it only enqueues. Never after what calls it is destroyed.
   using Handler = std::function<void(Downward)>;
 
-  /// Hands over what all of the room are told: presences, anchors, states, and every pose.
+  /// Hands over what all of the room are told: presences, anchors, states, and every pose; and what
+  /// one of the devices is told, or one of another process: welcomes, answers and replies.
   /// `on_lost`: the server is away; when it is back, all that holds is told anew.
   /// Errors: InvalidArgument (room), Unavailable.
   static Result<std::unique_ptr<RoomLine>> Create(std::shared_ptr<dds::Participant> participant,
@@ -28,14 +29,6 @@ class RoomLine {
   Result<void> Send(const Upward& message);
   /// The device is no longer here: to the server as if its process had ended.
   void Forget(const DeviceId& device);
-
-  /// Hears what one of the devices alone is told, until it is destroyed.
-  class Ear {
-   public:
-    virtual ~Ear() = default;
-  };
-  /// Errors: InvalidArgument (device), Unavailable.
-  Result<std::unique_ptr<Ear>> ListenFor(const DeviceId& device, Handler handler);
 
  private:
   struct Impl;

@@ -2,6 +2,7 @@
 #include "session/wire/server_bus.h"
 
 #include <map>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,14 @@ struct RoomWriters {
   dds::Writer anchors;
   dds::Writer state;
   dds::Writer map;
+};
+
+/// To the phones of gateways in a room: what is for one of them has its name as the key.
+struct GatewayWriters {
+  dds::Writer welcome;
+  dds::Writer answers;
+  dds::Writer replies;
+  int devices = 0;  // that are open
 };
 
 struct DeviceWriters {
@@ -38,9 +47,20 @@ waymark_AnchorState KeyOf(const AnchorId& anchor) {
   return key;
 }
 
+template <typename Key>
+void End(dds::Writer& writer, const DeviceId& device) {
+  Key key{};
+  SetId(key.device, device);
+  (void)writer.Dispose(&key);
+  writer.Forget(&key);
+}
+
 Error NotOpen(std::string_view what, const std::string& name) {
   return MakeError(ErrorCode::kNotFound, "{} {}: is not open on the bus", what, name);
 }
+
+/// How a device speaks to the server.
+enum class Way { kItself, kByGateway };
 
 }  // namespace
 
@@ -52,7 +72,11 @@ struct ServerBus::Impl {
   dds::Writer gateway_pongs;
   std::atomic<std::uint64_t> rejected = 0;
   std::map<RoomId, RoomWriters> rooms;
-  std::map<DeviceId, DeviceWriters> devices;
+  std::map<DeviceId, DeviceWriters> devices;         // that speak for themselves
+  std::map<DeviceId, RoomId> phones;                 // that a gateway speaks for
+  std::map<RoomId, GatewayWriters> gateway_writers;  // for those
+  std::mutex mutex;
+  std::map<DeviceId, Way> ways;      // guarded by mutex; of the hellos that came last
   std::vector<dds::Reader> readers;  // last: their callbacks end before the rest goes
 
   template <typename Message>
@@ -87,8 +111,8 @@ struct ServerBus::Impl {
     return {};
   }
 
-  static Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
-                                  const dds::Source& source) {
+  Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
+                           const dds::Source& source) {
     const auto device = GetId<DeviceId>(wire.device);
     if (arrival == dds::Arrival::kLost) return Upward(Farewell{device, true});
     const std::string partition = source.Partition();
@@ -99,9 +123,9 @@ struct ServerBus::Impl {
       return NotItsOwn(device);
     }
     WAYMARK_TRY_ASSIGN(Hello hello, Decode(wire));
-    const bool is_its_own =
-        partition == UpPartition(hello.room, device) || partition == GatewayUpPartition(hello.room);
-    if (!is_its_own) return NotItsOwn(device);
+    const bool is_by_gateway = partition == GatewayUpPartition(hello.room);
+    if (!is_by_gateway && partition != UpPartition(hello.room, device)) return NotItsOwn(device);
+    Remember(device, is_by_gateway ? Way::kByGateway : Way::kItself);
     return Upward(std::move(hello));
   }
 
@@ -120,11 +144,37 @@ struct ServerBus::Impl {
   }
 
   template <typename Message>
-  Result<void> WriteTo(dds::Writer DeviceWriters::*writer, const Message& message) {
+  Result<void> WriteTo(dds::Writer DeviceWriters::*own, dds::Writer GatewayWriters::*shared,
+                       const Message& message) {
+    if (const auto phone = phones.find(message.device); phone != phones.end()) {
+      return Write(gateway_writers.at(phone->second).*shared, message);
+    }
     const auto found = devices.find(message.device);
     if (found == devices.end()) return NotOpen("device", message.device.text());
-    return Write(found->second.*writer, message);
+    return Write(found->second.*own, message);
   }
+
+  /// On DDS threads. A flood of names costs those their place that are not open yet; they ask
+  /// again.
+  void Remember(const DeviceId& device, Way way) {
+    constexpr std::size_t kMaxWays = 16'384;
+    const std::lock_guard lock(mutex);
+    if (ways.size() >= kMaxWays) ways.clear();
+    ways.insert_or_assign(device, way);
+  }
+  std::optional<Way> FindWay(const DeviceId& device) {
+    const std::lock_guard lock(mutex);
+    const auto found = ways.find(device);
+    return found == ways.end() ? std::nullopt : std::optional(found->second);
+  }
+
+  bool IsOpen(const DeviceId& device) const {
+    return devices.contains(device) || phones.contains(device);
+  }
+
+  Result<void> OpenOwn(const RoomId& room, const DeviceId& device);
+  Result<void> OpenByGateway(const RoomId& room, const DeviceId& device);
+  void Close(const DeviceId& device);
 
   dds::Writer* FindWriter(const RoomId& room, dds::Writer RoomWriters::*writer) {
     const auto found = rooms.find(room);
@@ -167,22 +217,69 @@ Result<void> ServerBus::OpenRoom(const RoomId& room) {
 
 void ServerBus::CloseRoom(const RoomId& room) { impl_->rooms.erase(room); }
 
+// The way may change while it is open: an app that was on the bus comes through a gateway.
 Result<void> ServerBus::OpenDevice(const RoomId& room, const DeviceId& device) {
-  dds::Participant& participant = impl_->participant;
+  impl_->Close(device);
+  return impl_->FindWay(device) == Way::kByGateway ? impl_->OpenByGateway(room, device)
+                                                   : impl_->OpenOwn(room, device);
+}
+
+Result<void> ServerBus::Impl::OpenOwn(const RoomId& room, const DeviceId& device) {
   const std::string partition = DevicePartition(room, device);
   WAYMARK_TRY_ASSIGN(auto welcome, MakeWriter<Welcome>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto replies, MakeWriter<CommandReply>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<ClockPong>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseBatch>(participant, partition));
-  impl_->devices.insert_or_assign(
-      device, DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
-                            std::move(pongs), std::move(poses)});
+  devices.insert_or_assign(device,
+                           DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
+                                         std::move(pongs), std::move(poses)});
   return {};
 }
 
-void ServerBus::CloseDevice(const DeviceId& device) { impl_->devices.erase(device); }
-bool ServerBus::IsOpen(const DeviceId& device) const { return impl_->devices.contains(device); }
+Result<void> ServerBus::Impl::OpenByGateway(const RoomId& room, const DeviceId& device) {
+  auto found = gateway_writers.find(room);
+  if (found == gateway_writers.end()) {
+    const std::string partition = GatewayDownPartition(room);
+    WAYMARK_TRY_ASSIGN(auto welcome, MakeWriter<Welcome>(participant, partition));
+    WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));
+    WAYMARK_TRY_ASSIGN(auto replies, MakeWriter<CommandReply>(participant, partition));
+    found = gateway_writers
+                .emplace(room,
+                         GatewayWriters{std::move(welcome), std::move(answers), std::move(replies)})
+                .first;
+  }
+  ++found->second.devices;
+  phones.emplace(device, room);
+  return {};
+}
+
+void ServerBus::Impl::Close(const DeviceId& device) {
+  devices.erase(device);
+  const auto phone = phones.find(device);
+  if (phone == phones.end()) return;
+  const auto shared = gateway_writers.find(phone->second);
+  if (--shared->second.devices == 0) {
+    gateway_writers.erase(shared);
+  } else {  // lest the histories grow with everybody who was ever here
+    End<waymark_Welcome>(shared->second.welcome, device);
+    End<waymark_LocaliseAnswer>(shared->second.answers, device);
+    End<waymark_CommandReply>(shared->second.replies, device);
+  }
+  phones.erase(phone);
+}
+
+void ServerBus::CloseDevice(const DeviceId& device) {
+  impl_->Close(device);
+  const std::lock_guard lock(impl_->mutex);
+  impl_->ways.erase(device);
+}
+bool ServerBus::IsOpen(const DeviceId& device) const { return impl_->IsOpen(device); }
+bool ServerBus::HasChangedItsWay(const DeviceId& device) const {
+  const auto way = impl_->FindWay(device);
+  return way && impl_->IsOpen(device) &&
+         impl_->phones.contains(device) != (*way == Way::kByGateway);
+}
 
 Result<void> ServerBus::Publish(const RoomId& room, const Presence& presence) {
   return impl_->WriteTo(room, &RoomWriters::presence, presence);
@@ -228,16 +325,18 @@ void ServerBus::Forget(const RoomId& room, const AnchorId& anchor) {
 }
 
 Result<void> ServerBus::Send(const Welcome& welcome) {
-  return impl_->WriteTo(&DeviceWriters::welcome, welcome);
+  return impl_->WriteTo(&DeviceWriters::welcome, &GatewayWriters::welcome, welcome);
 }
 Result<void> ServerBus::Send(const LocaliseAnswer& answer) {
-  return impl_->WriteTo(&DeviceWriters::answers, answer);
+  return impl_->WriteTo(&DeviceWriters::answers, &GatewayWriters::answers, answer);
 }
 Result<void> ServerBus::Send(const CommandReply& reply) {
-  return impl_->WriteTo(&DeviceWriters::replies, reply);
+  return impl_->WriteTo(&DeviceWriters::replies, &GatewayWriters::replies, reply);
 }
 Result<void> ServerBus::Send(const ClockPong& pong) {
-  return impl_->WriteTo(&DeviceWriters::pongs, pong);
+  const auto found = impl_->devices.find(pong.device);
+  if (found == impl_->devices.end()) return NotOpen("device", pong.device.text());
+  return Write(found->second.pongs, pong);
 }
 Result<void> ServerBus::Send(const DeviceId& device, const PoseBatch& batch) {
   const auto found = impl_->devices.find(device);

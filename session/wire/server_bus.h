@@ -26,6 +26,9 @@ class ServerBus {
   Result<void> OpenDevice(const RoomId& room, const DeviceId& device);
   void CloseDevice(const DeviceId& device);
   bool IsOpen(const DeviceId& device) const;
+  /// It is open, but its latest Hello came another way, on the bus or through a gateway: open it
+  /// anew.
+  bool HasChangedItsWay(const DeviceId& device) const;
 
   Result<void> Publish(const RoomId& room, const Presence& presence);
   /// Heard by gateways, which choose from it for each of their phones.

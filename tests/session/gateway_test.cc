@@ -106,6 +106,25 @@ TEST_F(GatewayTest, ADeviceThatComesFromElsewhereIsItself) {
   gateway_.reset();
 }
 
+TEST_F(GatewayTest, ADeviceFromTheBusIsAnsweredThroughTheGatewayWhenItComesThere) {
+  DeviceOptions on_the_bus = MakeDeviceOptions("Anna");
+  on_the_bus.server = "127.0.0.1";
+  const auto anna = Join(on_the_bus);
+  const auto ben = Join("Ben");
+  ASSERT_TRUE(Eventually([&] { return Sees(*ben, anna->id()); }));
+  RawClient elsewhere(gateway_->port());
+  EXPECT_TRUE(Eventually([&] {
+    elsewhere.Send(MakeHello(anna->id()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    return elsewhere.frames > 0;
+  }));
+  EXPECT_TRUE(Sees(*ben, anna->id()));
+  // And back: her library, which hears nothing any more, joins again.
+  StandingPhone phone(*anna, {3, 4, 1});
+  EXPECT_TRUE(phone.Localise());
+  EXPECT_TRUE(anna->PlaceAnchor(kAhead, "note", "back").ok());
+}
+
 TEST_F(GatewayTest, AConnectionThatBreaksIsGoneForTheOthersInTime) {
   const auto ben = Join("Ben");
   const DeviceId raw("01234567-89ab-4def-bedc-ba9876543210");

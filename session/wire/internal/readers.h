@@ -58,8 +58,7 @@ class Readers {
 
   /// What a device alone is told, but for poses and pongs.
   template <typename Handler>
-  Result<void> ListenToOwn(const RoomId& room, const DeviceId& device, const Handler& handler) {
-    const std::string partition = DevicePartition(room, device);
+  Result<void> ListenToOwn(const std::string& partition, const Handler& handler) {
     WAYMARK_TRY(Listen<Welcome>(partition, handler));
     WAYMARK_TRY(Listen<LocaliseAnswer>(partition, handler));
     return Listen<CommandReply>(partition, handler);

@@ -28,6 +28,10 @@ inline std::string DownPartition(const RoomId& room) { return "room." + room.tex
 inline std::string DevicePartition(const RoomId& room, const DeviceId& device) {
   return "room." + room.text() + ".device." + device.text();
 }
+/// Where gateways hear what is said to one of their phones in a room.
+inline std::string GatewayDownPartition(const RoomId& room) {
+  return "room." + room.text() + ".device.gateway";
+}
 inline constexpr const char* kGatewaysUp = "gateways.up";
 inline constexpr const char* kGatewaysDown = "gateways.down";
 
