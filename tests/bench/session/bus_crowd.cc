@@ -18,7 +18,6 @@ namespace {
 
 constexpr std::uint64_t kSeed = 0xb05;
 constexpr double kCell_m = 32;
-constexpr int kPerParticipant = 20;  // a process of its own each would be the machine's load
 
 }  // namespace
 
@@ -43,7 +42,10 @@ struct BusCrowd::Phone {
 
   bool SayHello() {
     const std::lock_guard lock(mutex);
-    if (ticket != Ticket{}) return true;
+    if (ticket != Ticket{}) {
+      (void)bus->Send(ClockPing{ticket, 0, {}});  // who is silent is gone
+      return true;
+    }
     (void)bus->Send(hello);
     return false;
   }
@@ -71,11 +73,12 @@ struct BusCrowd::Phone {
 BusCrowd::BusCrowd() = default;
 BusCrowd::~BusCrowd() = default;
 
-Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(int domain, int phones, int cells) {
+Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(int domain, int phones, int cells,
+                                                    int per_participant) {
   std::unique_ptr<BusCrowd> crowd(new BusCrowd);
   std::shared_ptr<dds::Participant> participant;
   for (int i = 0; i < phones; ++i) {
-    if (i % kPerParticipant == 0) {
+    if (i % per_participant == 0) {
       WAYMARK_TRY_ASSIGN(dds::Participant another, dds::Participant::Create({.domain = domain}));
       participant = std::make_shared<dds::Participant>(std::move(another));
     }

@@ -12,8 +12,10 @@ namespace waymark::bench {
 /// Phones that speak DDS to the server themselves, spread over cells of 32 m.
 class BusCrowd {
  public:
-  /// Errors: those of the bus.
-  static Result<std::unique_ptr<BusCrowd>> Connect(int domain, int phones, int cells);
+  /// Some phones share a participant, because a process of its own for each would be the machine's
+  /// load. Errors: those of the bus.
+  static Result<std::unique_ptr<BusCrowd>> Connect(int domain, int phones, int cells,
+                                                   int per_participant = 20);
   ~BusCrowd();
 
   /// As Crowd.

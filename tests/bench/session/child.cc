@@ -36,6 +36,14 @@ Result<Child> Child::Start(const std::vector<std::string>& arguments) {
   return child;
 }
 
+Result<Child> Child::StartOther(const std::vector<std::string>& words) {
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  const auto process = StartProgram(words, nowhere);
+  ::close(nowhere);
+  if (!process) return process.error();
+  return Child(*process, "");
+}
+
 Child::Child(Child&& other) noexcept
     : process_(std::exchange(other.process_, 0)), line_(std::move(other.line_)) {}
 
@@ -62,6 +70,12 @@ double Child::MemoryMib() const {
   double total = 0, resident = 0;
   file >> total >> resident;
   return resident * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+int Child::Descriptors() const {
+  std::error_code failure;
+  const std::filesystem::directory_iterator open(fmt::format("/proc/{}/fd", process_), failure);
+  return static_cast<int>(std::distance(begin(open), end(open)));
 }
 
 double OwnCpuS() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }

@@ -10,12 +10,14 @@
 
 namespace waymark::bench {
 
-/// This program in another process, which says one line when it is ready and stays until it is told
-/// to end.
+/// A program in another process, which stays until it is told to end.
 class Child {
  public:
+  /// This program, which says one line when it is ready.
   /// Errors: Unavailable (it cannot be started, or says nothing).
   static Result<Child> Start(const std::vector<std::string>& arguments);
+  /// Another one, found through PATH, what it says goes nowhere. Errors: Unavailable.
+  static Result<Child> StartOther(const std::vector<std::string>& words);
   Child(Child&& other) noexcept;
   ~Child();
 
@@ -24,6 +26,8 @@ class Child {
   double CpuS() const;
   /// Resident memory.
   double MemoryMib() const;
+  /// Open files.
+  int Descriptors() const;
 
  private:
   Child(pid_t process, std::string line) : process_(process), line_(std::move(line)) {}

@@ -12,7 +12,11 @@
 #include "tests/bench/session/apps.h"
 #include "tests/bench/session/bus_crowd.h"
 #include "tests/bench/session/child.h"
+#include "tests/bench/session/churn.h"
 #include "tests/bench/session/crowd.h"
+#include "tests/bench/session/discovery.h"
+#include "tests/bench/session/peers/peers.h"
+#include "tests/bench/session/peers/web_socket_fan_out.h"
 #include "tests/bench/session/summary.h"
 #include "tests/session/session_fixture.h"
 #include "tests/support/memory_anchor_store.h"
@@ -29,6 +33,7 @@ struct Flags {
   double square_m = 50;
   double seconds = 8;
   double hz = 30;
+  int churn_phones = 100;
   int joins = 20;
   int anchors = 200;
   std::string csv, plot;
@@ -60,6 +65,15 @@ int RunGateway(int domain) {
   return StayUntilTold();
 }
 
+int RunFanOut() {
+  FanOut fan_out;
+  const auto port = fan_out.Listen();
+  if (!port) return 1;
+  fmt::print("{}\n", *port);
+  std::fflush(stdout);
+  return StayUntilTold();
+}
+
 std::uint16_t PortOf(const Child& gateway) {
   return static_cast<std::uint16_t>(std::stoi(gateway.line()));
 }
@@ -80,12 +94,16 @@ void Observe(const Child& server, const Child* gateway, const Walk& walk, Row& r
   Summarise(walked, session::ServerOptions().tick_hz, row);
 }
 
+/// So near that everybody is told of everybody at every tick.
+constexpr double kCloseRoom_m = 5;
+
 Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& flags) {
   WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
   WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
   Crowd::Options options{.phones = phones, .hz = flags.hz};
   options.edge_m = layout == "city" ? flags.city_m : flags.square_m;
-  if (layout == "rooms") options.per_room = flags.per_room;
+  if (layout == "rooms" || layout == "peers") options.per_room = flags.per_room;
+  if (layout == "peers") options.edge_m = kCloseRoom_m;
   WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
   Row row{.layout = layout, .phones = phones};
   WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
@@ -136,6 +154,41 @@ Result<void> MeasureAppTimes(const Flags& flags) {
   return {};
 }
 
+/// Our own way first, then the others'.
+Result<void> MeasureAllPeers(const Flags& flags) {
+  std::vector<PeerRow> ours;
+  for (const int phones : flags.phones) {
+    WAYMARK_TRY_ASSIGN(const Row row, MeasureGateway("peers", phones, flags));
+    ours.push_back({.way = "gateway and server",
+                    .phones = phones,
+                    .poses_per_s = row.poses_per_s * phones,
+                    .share = row.poses_per_s / (flags.hz * (flags.per_room - 1)),
+                    .age_p50_ms = row.age_p50_ms,
+                    .age_p99_ms = row.age_p99_ms,
+                    .broker_cores = row.server_cores + row.gateway_cores,
+                    .phones_cores = row.generator_cores});
+  }
+  return MeasurePeers({.phones = flags.phones,
+                       .per_room = flags.per_room,
+                       .hz = flags.hz,
+                       .seconds = flags.seconds},
+                      ours);
+}
+
+Result<void> MeasureChurnOfGateway(const Flags& flags) {
+  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
+  WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
+  return MeasureChurn(server, gateway, PortOf(gateway),
+                      {.phones = flags.churn_phones, .seconds = flags.seconds});
+}
+
+/// Layouts that are no rows of the table.
+const std::vector<std::pair<std::string, Result<void> (*)(const Flags&)>> kOwnTables{
+    {"apps", MeasureAppTimes},
+    {"peers", MeasureAllPeers},
+    {"churn", MeasureChurnOfGateway},
+    {"discovery", [](const Flags& flags) { return MeasureDiscovery(flags.phones); }}};
+
 std::string Load() {
   std::ifstream file("/proc/loadavg");
   std::string one, five, fifteen;
@@ -151,9 +204,12 @@ int Run(const Flags& flags) {
     return 1;
   };
   std::vector<Row> rows;
-  PrintHead();
+  const auto is_row = [](const std::string& layout) {
+    return std::ranges::count(kOwnTables, layout, [](const auto& own) { return own.first; }) == 0;
+  };
+  if (std::ranges::any_of(flags.layouts, is_row)) PrintHead();
   for (const std::string& layout : flags.layouts) {
-    if (layout == "apps") continue;
+    if (!is_row(layout)) continue;
     for (const int phones : layout == "bus" ? std::vector<int>{flags.bus_phones} : flags.phones) {
       const auto row =
           layout == "bus" ? MeasureBus(phones, flags) : MeasureGateway(layout, phones, flags);
@@ -163,8 +219,9 @@ int Run(const Flags& flags) {
     }
   }
   PrintGrowth(rows);
-  if (std::ranges::find(flags.layouts, "apps") != flags.layouts.end()) {
-    if (const auto measured = MeasureAppTimes(flags); !measured.ok()) return fail(measured.error());
+  for (const auto& [layout, measure] : kOwnTables) {
+    if (std::ranges::find(flags.layouts, layout) == flags.layouts.end()) continue;
+    if (const auto measured = measure(flags); !measured.ok()) return fail(measured.error());
   }
   const bool is_written = (flags.csv.empty() || WriteCsv(rows, flags.csv)) &&
                           (flags.plot.empty() || WritePlot(rows, flags.plot));
@@ -182,13 +239,17 @@ int main(int argc, char** argv) {
       "memory.\n"
       "Layouts: city and square: one room, its phones spread over a city or packed in a square;\n"
       "rooms: many rooms, each a square; bus: phones on DDS, without a gateway, in 20 cells;\n"
-      "apps: what the device library sees that joins a room of 100 phones.\n"
+      "apps: what the device library sees that joins a room of 100 phones;\n"
+      "peers: rooms through the gateway, mosquitto, Redis and a plain WebSocket fan-out;\n"
+      "churn: crowds come and die for the given seconds; what server and gateway hold;\n"
+      "discovery: octets until devices on the bus have joined; in a namespace: unshare -n.\n"
       "Example: session_bench --layouts city,square --phones 10,100,1000 --plot crowd.svg",
       "session_bench");
   Flags flags;
   app.add_option("--layouts", flags.layouts, "what is measured, in this order")
       ->delimiter(',')
-      ->check(CLI::IsMember({"city", "square", "rooms", "bus", "apps"}))
+      ->check(
+          CLI::IsMember({"city", "square", "rooms", "bus", "apps", "peers", "churn", "discovery"}))
       ->capture_default_str();
   app.add_option("--phones", flags.phones, "how many, each a measurement")
       ->delimiter(',')
@@ -207,12 +268,15 @@ int main(int argc, char** argv) {
   app.add_option("--joins", flags.joins, "late joins of layout apps")->capture_default_str();
   app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")
       ->capture_default_str();
+  app.add_option("--churn-phones", flags.churn_phones, "phones at once of layout churn")
+      ->capture_default_str();
   app.add_option("--csv", flags.csv, "file for all figures");
   app.add_option("--plot", flags.plot, "file for a plot of latency and bytes, SVG");
   int domain = 0, outcome = -1;
   app.add_subcommand("server", "")->group("")->callback([&] { outcome = RunServer(); });
   CLI::App* const gateway = app.add_subcommand("gateway", "")->group("");
   gateway->add_option("DOMAIN", domain)->required();
+  app.add_subcommand("fan-out", "")->group("")->callback([&] { outcome = RunFanOut(); });
   gateway->callback([&] { outcome = RunGateway(domain); });
   CLI11_PARSE(app, argc, argv);
   return outcome >= 0 ? outcome : Run(flags);

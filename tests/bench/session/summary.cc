@@ -45,18 +45,22 @@ namespace {
 /// Which part of the frames that were due came: of every tick between the first and the last that
 /// anybody heard of, those two apart, for they were heard in part.
 double ShareOfFrames(const std::vector<Heard>& heard, double tick_hz) {
-  std::set<ServerTime> ticks;
-  for (const Heard& phone : heard) ticks.insert(phone.ticks.begin(), phone.ticks.end());
+  std::map<std::uint32_t, ServerTime> ticks;
+  for (const Heard& phone : heard) {
+    for (std::size_t i = 0; i < phone.ticks.size(); ++i) {
+      ticks.try_emplace(phone.ticks[i], phone.sent[i]);
+    }
+  }
   if (ticks.size() < 3) return NAN;
-  const ServerTime first = *ticks.begin(), last = *ticks.rbegin();
+  const auto first = *ticks.begin(), last = *ticks.rbegin();
   double came = 0;
   for (const Heard& phone : heard) {
-    std::set<ServerTime> between(phone.ticks.begin(), phone.ticks.end());
-    between.erase(first);
-    between.erase(last);
+    std::set<std::uint32_t> between(phone.ticks.begin(), phone.ticks.end());
+    between.erase(first.first);
+    between.erase(last.first);
     came += static_cast<double>(between.size());
   }
-  const double due = std::round(Seconds(last - first) * tick_hz) - 1;
+  const double due = std::round(Seconds(last.second - first.second) * tick_hz) - 1;
   return came / static_cast<double>(heard.size()) / due;
 }
 

@@ -51,9 +51,10 @@ class Walker {
 
 /// What one phone of a crowd has heard while it was counted.
 struct Heard {
-  std::vector<ServerTime> ticks;  ///< of which a pose batch came, in the order of coming
-  std::vector<float> ages_ms;     ///< from one phone's report to another's hearing of it
-  std::vector<float> legs_ms;     ///< from the server's tick to hearing of it
+  std::vector<std::uint32_t> ticks;  ///< of which a pose batch came, in the order of coming
+  std::vector<ServerTime> sent;      ///< each of those batches
+  std::vector<float> ages_ms;        ///< from one phone's report to another's hearing of it
+  std::vector<float> legs_ms;        ///< from the server's tick to hearing of it
   std::uint64_t poses = 0;
   std::uint64_t bytes = 0;  ///< of all messages
 };
@@ -67,7 +68,8 @@ struct Walked {
 /// Counts a batch; of the ages every eighth batch, which is plenty.
 inline void Count(Heard& heard, const session::PoseBatch& batch) {
   const ServerTime now = Now();
-  heard.ticks.push_back(batch.time);
+  heard.ticks.push_back(batch.tick);
+  heard.sent.push_back(batch.time);
   heard.poses += batch.poses.size();
   const auto ms_since = [&](ServerTime time) {
     return static_cast<float>(1e3 * Seconds(now - time));

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "mapping/base/result.h"
+
+namespace waymark::bench {
+
+/// What devices on the bus cost the network before anybody says where it is: each is a participant
+/// that knows the server alone. Counts all that goes over the loopback interface, so nothing else
+/// should: run it in a network namespace of its own. Errors: those of BusCrowd; NotFound
+/// (/proc/net/dev).
+Result<void> MeasureDiscovery(const std::vector<int>& devices);
+
+}  // namespace waymark::bench
