@@ -24,8 +24,11 @@ Result<void> MeasureChurn(const Child& server, const Child& gateway, std::uint16
                  gateway.Descriptors());
       std::fflush(stdout);
     }
+    // In a room of their own: who died keeps its seat for a minute.
     WAYMARK_TRY_ASSIGN(const auto crowd,
-                       Crowd::Connect(port, {.phones = options.phones, .first_phone = phones}));
+                       Crowd::Connect(port, {.phones = options.phones,
+                                             .per_room = static_cast<std::uint64_t>(options.phones),
+                                             .first_phone = phones}));
     WAYMARK_TRY(crowd->JoinAll());
     (void)crowd->Walk(options.walk_s);
     phones += static_cast<std::uint64_t>(options.phones);

@@ -102,7 +102,7 @@ Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& f
   WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
   Crowd::Options options{.phones = phones, .hz = flags.hz};
   options.edge_m = layout == "city" ? flags.city_m : flags.square_m;
-  if (layout == "rooms" || layout == "peers") options.per_room = flags.per_room;
+  if (layout == "rooms" || layout == "peers") options.per_room = static_cast<std::uint64_t>(flags.per_room);
   if (layout == "peers") options.edge_m = kCloseRoom_m;
   WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
   Row row{.layout = layout, .phones = phones};
