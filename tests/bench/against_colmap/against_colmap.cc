@@ -38,7 +38,8 @@ Result<Outcome> RunOurs(const fs::path& experience, const fs::path& scratch) {
 
 /// One line of the table; returns what it took.
 std::optional<evaluation::Usage> Print(const Recording& recording, std::string_view program,
-                            const Result<Outcome>& outcome, const evaluation::Trajectory& truth) {
+                                       const Result<Outcome>& outcome,
+                                       const evaluation::Trajectory& truth) {
   if (!outcome) {
     fmt::print("{:14} {:10} {}\n", recording.name, program, ToString(outcome.error()));
     return std::nullopt;

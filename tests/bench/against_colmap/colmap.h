@@ -14,7 +14,8 @@ namespace waymark::bench {
 struct Outcome {
   evaluation::Usage usage;
   evaluation::Trajectory world_from_camera;
-  std::string note = {};  ///< of what was done otherwise than by default
+  std::string note = {};             ///< of what was done otherwise than by default
+  std::filesystem::path model = {};  ///< COLMAP's, where one was made
 };
 
 /// Runs COLMAP as installed: extraction, "exhaustive" or "sequential" matching, mapping, on the
@@ -23,5 +24,12 @@ struct Outcome {
 /// then. Errors: Unavailable when COLMAP is missing, fails or makes no model; those of LoadKapture.
 Result<Outcome> RunColmap(const std::filesystem::path& experience, const std::string& matching,
                           const std::filesystem::path& scratch);
+
+/// Extracts the features of the images of `asked`, matches each with every image of `mapped` and
+/// registers them in `model`, which RunColmap made of `mapped` in the same scratch folder. The
+/// poses are those of all images. Errors: Unavailable when COLMAP fails; those of LoadKapture.
+Result<Outcome> RegisterInColmap(const Outcome& model, const std::filesystem::path& mapped,
+                                 const std::filesystem::path& asked,
+                                 const std::filesystem::path& scratch);
 
 }  // namespace waymark::bench
