@@ -1,50 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+// Who is heard, and to whom a line is open.
 #include "session/wire/server_bus.h"
 
-#include <map>
-#include <mutex>
-#include <optional>
-#include <vector>
-
-#include "session/wire/internal/topics.h"
+#include "session/wire/internal/server_bus_impl.h"
 
 namespace waymark::session::wire {
 namespace {
 
-struct RoomWriters {
-  dds::Writer presence;
-  dds::Writer poses;
-  dds::Writer anchors;
-  dds::Writer state;
-  dds::Writer map;
-};
-
-/// To the phones of gateways in a room: what is for one of them has its name as the key.
-struct GatewayWriters {
-  dds::Writer welcome;
-  dds::Writer answers;
-  dds::Writer replies;
-  int devices = 0;  // that are open
-};
-
-struct DeviceWriters {
-  dds::Writer welcome;
-  dds::Writer answers;
-  dds::Writer replies;
-  dds::Writer pongs;
-  dds::Writer poses;
-};
-
-waymark_Presence KeyOf(const DeviceId& device) {
-  waymark_Presence key{};
-  SetId(key.device, device);
-  return key;
-}
-
-waymark_AnchorState KeyOf(const AnchorId& anchor) {
-  waymark_AnchorState key{};
-  SetId(key.anchor, anchor);
-  return key;
+Error NotItsOwn(const DeviceId& device) {
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "device {}: somebody else speaks for it, in another room or in its name",
+                   device.text());
 }
 
 template <typename Key>
@@ -55,132 +21,54 @@ void End(dds::Writer& writer, const DeviceId& device) {
   writer.Forget(&key);
 }
 
-Error NotOpen(std::string_view what, const std::string& name) {
-  return MakeError(ErrorCode::kNotFound, "{} {}: is not open on the bus", what, name);
-}
-
-/// How a device speaks to the server.
-enum class Way { kItself, kByGateway };
-
 }  // namespace
 
-struct ServerBus::Impl {
-  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in)
-      : participant(std::move(participant_in)), gateway_pongs(std::move(gateway_pongs_in)) {}
+Result<void> ServerBus::Impl::ListenForHello(const Handler& handler) {
+  const dds::Topic topic = TopicOf<Hello>();
+  WAYMARK_TRY_ASSIGN(
+      dds::Reader reader,
+      dds::Reader::Create(
+          participant, topic, AnyUpPartition(),
+          [this, handler](dds::Arrival arrival, const void* sample, const dds::Source& source) {
+            const auto& wire = *static_cast<const waymark_Hello*>(sample);
+            Result<Upward> word = HearHello(arrival, wire, source);
+            if (word.ok()) return handler(*std::move(word));
+            if (rejected++ == 0) LogWarning("hello: {}", ToString(word.error()));
+          }));
+  readers.push_back(std::move(reader));
+  return {};
+}
 
-  dds::Participant participant;
-  dds::Writer gateway_pongs;
-  std::atomic<std::uint64_t> rejected = 0;
-  std::map<RoomId, RoomWriters> rooms;
-  std::map<DeviceId, DeviceWriters> devices;         // that speak for themselves
-  std::map<DeviceId, RoomId> phones;                 // that a gateway speaks for
-  std::map<RoomId, GatewayWriters> gateway_writers;  // for those
-  std::mutex mutex;
-  std::map<DeviceId, Way> ways;      // guarded by mutex; of the hellos that came last
-  std::vector<dds::Reader> readers;  // last: their callbacks end before the rest goes
-
-  template <typename Message>
-  Result<void> Listen(const Handler& handler) {
-    return Listen<Message>(AnyUpPartition(),
-                           [handler](Message message) { handler(Upward(std::move(message))); });
+Result<Upward> ServerBus::Impl::HearHello(dds::Arrival arrival, const waymark_Hello& wire,
+                                          const dds::Source& source) {
+  const auto device = GetId<DeviceId>(wire.device);
+  if (arrival == dds::Arrival::kLost) return Upward(Farewell{device, true});
+  const std::string partition = source.Partition();
+  if (arrival == dds::Arrival::kDisposed) {
+    const bool is_its_own =
+        partition.ends_with(".up." + device.text()) || partition.ends_with(".up.gateway");
+    if (is_its_own) return Upward(Farewell{device});
+    return NotItsOwn(device);
   }
+  WAYMARK_TRY_ASSIGN(Hello hello, Decode(wire));
+  const bool is_by_gateway = partition == GatewayUpPartition(hello.room);
+  if (!is_by_gateway && partition != UpPartition(hello.room, device)) return NotItsOwn(device);
+  Remember(device, is_by_gateway ? Way::kByGateway : Way::kItself);
+  return Upward(std::move(hello));
+}
 
-  template <typename Message, typename OnMessage>
-  Result<void> Listen(const std::string& partition, OnMessage on_message) {
-    WAYMARK_TRY_ASSIGN(dds::Reader reader, MakeReader<Message>(participant, partition, rejected,
-                                                               std::move(on_message)));
-    readers.push_back(std::move(reader));
-    return {};
-  }
+void ServerBus::Impl::Remember(const DeviceId& device, Way way) {
+  constexpr std::size_t kMaxWays = 16'384;
+  const std::lock_guard lock(mutex);
+  if (ways.size() >= kMaxWays) ways.clear();
+  ways.insert_or_assign(device, way);
+}
 
-  /// Only what comes from the device's own partition of its room, or from a gateway's, is the
-  /// device's word.
-  Result<void> ListenForHello(const Handler& handler) {
-    const dds::Topic topic = TopicOf<Hello>();
-    WAYMARK_TRY_ASSIGN(
-        dds::Reader reader,
-        dds::Reader::Create(
-            participant, topic, AnyUpPartition(),
-            [this, handler](dds::Arrival arrival, const void* sample, const dds::Source& source) {
-              const auto& wire = *static_cast<const waymark_Hello*>(sample);
-              Result<Upward> word = HearHello(arrival, wire, source);
-              if (word.ok()) return handler(*std::move(word));
-              if (rejected++ == 0) LogWarning("hello: {}", ToString(word.error()));
-            }));
-    readers.push_back(std::move(reader));
-    return {};
-  }
-
-  Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
-                           const dds::Source& source) {
-    const auto device = GetId<DeviceId>(wire.device);
-    if (arrival == dds::Arrival::kLost) return Upward(Farewell{device, true});
-    const std::string partition = source.Partition();
-    if (arrival == dds::Arrival::kDisposed) {
-      const bool is_its_own =
-          partition.ends_with(".up." + device.text()) || partition.ends_with(".up.gateway");
-      if (is_its_own) return Upward(Farewell{device});
-      return NotItsOwn(device);
-    }
-    WAYMARK_TRY_ASSIGN(Hello hello, Decode(wire));
-    const bool is_by_gateway = partition == GatewayUpPartition(hello.room);
-    if (!is_by_gateway && partition != UpPartition(hello.room, device)) return NotItsOwn(device);
-    Remember(device, is_by_gateway ? Way::kByGateway : Way::kItself);
-    return Upward(std::move(hello));
-  }
-
-  static Error NotItsOwn(const DeviceId& device) {
-    return MakeError(ErrorCode::kInvalidArgument,
-                     "device {}: somebody else speaks for it, in another room or in its name",
-                     device.text());
-  }
-
-  template <typename Message>
-  Result<void> WriteTo(const RoomId& room, dds::Writer RoomWriters::*writer,
-                       const Message& message) {
-    const auto found = rooms.find(room);
-    if (found == rooms.end()) return NotOpen("room", room.text());
-    return Write(found->second.*writer, message);
-  }
-
-  template <typename Message>
-  Result<void> WriteTo(dds::Writer DeviceWriters::*own, dds::Writer GatewayWriters::*shared,
-                       const Message& message) {
-    if (const auto phone = phones.find(message.device); phone != phones.end()) {
-      return Write(gateway_writers.at(phone->second).*shared, message);
-    }
-    const auto found = devices.find(message.device);
-    if (found == devices.end()) return NotOpen("device", message.device.text());
-    return Write(found->second.*own, message);
-  }
-
-  /// On DDS threads. A flood of names costs those their place that are not open yet; they ask
-  /// again.
-  void Remember(const DeviceId& device, Way way) {
-    constexpr std::size_t kMaxWays = 16'384;
-    const std::lock_guard lock(mutex);
-    if (ways.size() >= kMaxWays) ways.clear();
-    ways.insert_or_assign(device, way);
-  }
-  std::optional<Way> FindWay(const DeviceId& device) {
-    const std::lock_guard lock(mutex);
-    const auto found = ways.find(device);
-    return found == ways.end() ? std::nullopt : std::optional(found->second);
-  }
-
-  bool IsOpen(const DeviceId& device) const {
-    return devices.contains(device) || phones.contains(device);
-  }
-
-  Result<void> OpenOwn(const RoomId& room, const DeviceId& device);
-  Result<void> OpenByGateway(const RoomId& room, const DeviceId& device);
-  void Close(const DeviceId& device);
-
-  dds::Writer* FindWriter(const RoomId& room, dds::Writer RoomWriters::*writer) {
-    const auto found = rooms.find(room);
-    return found == rooms.end() ? nullptr : &(found->second.*writer);
-  }
-};
+std::optional<Way> ServerBus::Impl::FindWay(const DeviceId& device) {
+  const std::lock_guard lock(mutex);
+  const auto found = ways.find(device);
+  return found == ways.end() ? std::nullopt : std::optional(found->second);
+}
 
 ServerBus::ServerBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ServerBus::~ServerBus() = default;
@@ -279,76 +167,6 @@ bool ServerBus::HasChangedItsWay(const DeviceId& device) const {
   const auto way = impl_->FindWay(device);
   return way && impl_->IsOpen(device) &&
          impl_->phones.contains(device) != (*way == Way::kByGateway);
-}
-
-Result<void> ServerBus::Publish(const RoomId& room, const Presence& presence) {
-  return impl_->WriteTo(room, &RoomWriters::presence, presence);
-}
-Result<void> ServerBus::Publish(const RoomId& room, const PoseBatch& batch) {
-  return impl_->WriteTo(room, &RoomWriters::poses, batch);
-}
-bool ServerBus::IsHeardByGateways(const RoomId& room) const {
-  const auto found = impl_->rooms.find(room);
-  return found != impl_->rooms.end() && found->second.poses.HasReaders();
-}
-Result<void> ServerBus::Publish(const RoomId& room, const AnchorState& state) {
-  return impl_->WriteTo(room, &RoomWriters::anchors, state);
-}
-Result<void> ServerBus::Publish(const RoomId& room, const RoomState& state) {
-  return impl_->WriteTo(room, &RoomWriters::state, state);
-}
-
-Result<void> ServerBus::Publish(const RoomId& room, const MapState& state) {
-  return impl_->WriteTo(room, &RoomWriters::map, state);
-}
-
-Result<void> ServerBus::Withdraw(const RoomId& room, const DeviceId& device) {
-  dds::Writer* const writer = impl_->FindWriter(room, &RoomWriters::presence);
-  if (writer == nullptr) return NotOpen("room", room.text());
-  const waymark_Presence key = KeyOf(device);
-  return writer->Dispose(&key);
-}
-Result<void> ServerBus::Withdraw(const RoomId& room, const AnchorId& anchor) {
-  dds::Writer* const writer = impl_->FindWriter(room, &RoomWriters::anchors);
-  if (writer == nullptr) return NotOpen("room", room.text());
-  const waymark_AnchorState key = KeyOf(anchor);
-  return writer->Dispose(&key);
-}
-
-void ServerBus::Forget(const RoomId& room, const DeviceId& device) {
-  const waymark_Presence key = KeyOf(device);
-  if (auto* const writer = impl_->FindWriter(room, &RoomWriters::presence)) writer->Forget(&key);
-}
-void ServerBus::Forget(const RoomId& room, const AnchorId& anchor) {
-  const waymark_AnchorState key = KeyOf(anchor);
-  if (auto* const writer = impl_->FindWriter(room, &RoomWriters::anchors)) writer->Forget(&key);
-}
-
-Result<void> ServerBus::Send(const Welcome& welcome) {
-  return impl_->WriteTo(&DeviceWriters::welcome, &GatewayWriters::welcome, welcome);
-}
-Result<void> ServerBus::Send(const LocaliseAnswer& answer) {
-  return impl_->WriteTo(&DeviceWriters::answers, &GatewayWriters::answers, answer);
-}
-Result<void> ServerBus::Send(const CommandReply& reply) {
-  return impl_->WriteTo(&DeviceWriters::replies, &GatewayWriters::replies, reply);
-}
-Result<void> ServerBus::Send(const ClockPong& pong) {
-  const auto found = impl_->devices.find(pong.device);
-  if (found == impl_->devices.end()) return NotOpen("device", pong.device.text());
-  return Write(found->second.pongs, pong);
-}
-Result<void> ServerBus::Send(const DeviceId& device, const PoseBatch& batch) {
-  const auto found = impl_->devices.find(device);
-  if (found == impl_->devices.end()) return NotOpen("device", device.text());
-  return Write(found->second.poses, batch);
-}
-bool ServerBus::HearsPoses(const DeviceId& device) const {
-  const auto found = impl_->devices.find(device);
-  return found != impl_->devices.end() && found->second.poses.HasReaders();
-}
-Result<void> ServerBus::Send(const GatewayPongs& pongs) {
-  return Write(impl_->gateway_pongs, pongs);
 }
 
 std::uint64_t ServerBus::RejectedMessages() const { return impl_->rejected; }

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "session/wire/internal/topics.h"
+#include "session/wire/server_bus.h"
+
+namespace waymark::session::wire {
+
+struct RoomWriters {
+  dds::Writer presence;
+  dds::Writer poses;
+  dds::Writer anchors;
+  dds::Writer state;
+  dds::Writer map;
+};
+
+/// To the phones of gateways in a room: what is for one of them has its name as the key.
+struct GatewayWriters {
+  dds::Writer welcome;
+  dds::Writer answers;
+  dds::Writer replies;
+  int devices = 0;  // that are open
+};
+
+struct DeviceWriters {
+  dds::Writer welcome;
+  dds::Writer answers;
+  dds::Writer replies;
+  dds::Writer pongs;
+  dds::Writer poses;
+};
+
+/// How a device speaks to the server.
+enum class Way { kItself, kByGateway };
+
+inline Error NotOpen(std::string_view what, const std::string& name) {
+  return MakeError(ErrorCode::kNotFound, "{} {}: is not open on the bus", what, name);
+}
+
+struct ServerBus::Impl {
+  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in)
+      : participant(std::move(participant_in)), gateway_pongs(std::move(gateway_pongs_in)) {}
+
+  dds::Participant participant;
+  dds::Writer gateway_pongs;
+  std::atomic<std::uint64_t> rejected = 0;
+  std::map<RoomId, RoomWriters> rooms;
+  std::map<DeviceId, DeviceWriters> devices;         // that speak for themselves
+  std::map<DeviceId, RoomId> phones;                 // that a gateway speaks for
+  std::map<RoomId, GatewayWriters> gateway_writers;  // for those
+  std::mutex mutex;
+  std::map<DeviceId, Way> ways;      // guarded by mutex; of the hellos that came last
+  std::vector<dds::Reader> readers;  // last: their callbacks end before the rest goes
+
+  template <typename Message>
+  Result<void> Listen(const Handler& handler) {
+    return Listen<Message>(AnyUpPartition(),
+                           [handler](Message message) { handler(Upward(std::move(message))); });
+  }
+
+  template <typename Message, typename OnMessage>
+  Result<void> Listen(const std::string& partition, OnMessage on_message) {
+    WAYMARK_TRY_ASSIGN(dds::Reader reader, MakeReader<Message>(participant, partition, rejected,
+                                                               std::move(on_message)));
+    readers.push_back(std::move(reader));
+    return {};
+  }
+
+  Result<void> ListenForHello(const Handler& handler);
+  /// Only what comes from the device's own partition of its room, or from a gateway's, is the
+  /// device's word.
+  Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
+                           const dds::Source& source);
+
+  template <typename Message>
+  Result<void> WriteTo(const RoomId& room, dds::Writer RoomWriters::*writer,
+                       const Message& message) {
+    const auto found = rooms.find(room);
+    if (found == rooms.end()) return NotOpen("room", room.text());
+    return Write(found->second.*writer, message);
+  }
+
+  template <typename Message>
+  Result<void> WriteTo(dds::Writer DeviceWriters::*own, dds::Writer GatewayWriters::*shared,
+                       const Message& message) {
+    if (const auto phone = phones.find(message.device); phone != phones.end()) {
+      return Write(gateway_writers.at(phone->second).*shared, message);
+    }
+    const auto found = devices.find(message.device);
+    if (found == devices.end()) return NotOpen("device", message.device.text());
+    return Write(found->second.*own, message);
+  }
+
+  /// On DDS threads. A flood of names costs those their place that are not open yet; they ask
+  /// again.
+  void Remember(const DeviceId& device, Way way);
+  std::optional<Way> FindWay(const DeviceId& device);
+
+  bool IsOpen(const DeviceId& device) const {
+    return devices.contains(device) || phones.contains(device);
+  }
+
+  Result<void> OpenOwn(const RoomId& room, const DeviceId& device);
+  Result<void> OpenByGateway(const RoomId& room, const DeviceId& device);
+  void Close(const DeviceId& device);
+
+  dds::Writer* FindWriter(const RoomId& room, dds::Writer RoomWriters::*writer) {
+    const auto found = rooms.find(room);
+    return found == rooms.end() ? nullptr : &(found->second.*writer);
+  }
+};
+
+}  // namespace waymark::session::wire
