@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -54,7 +55,9 @@ class RivalSearch {
   }
 
   Rivalry Run() {
-    Rivalry rivalry{.supporters = supporters_.size(), .map_from_camera = map_from_camera_};
+    Rivalry rivalry{.supporters = supporters_.size(),
+                    .chance_supporters = CountByChance(map_from_camera_, max_squared_px2_),
+                    .map_from_camera = map_from_camera_};
     std::size_t best_score = 0;
     std::optional<Upright> best = Draw(best_score);
     if (!best) return rivalry;
@@ -68,6 +71,8 @@ class RivalSearch {
     }
     rivalry.map_from_camera = PoseOf(*best);
     rivalry.rivals = CountRivals(rivalry.map_from_camera);
+    rivalry.chance_rivals =
+        CountByChance(rivalry.map_from_camera, kRivalErrors * kRivalErrors * max_squared_px2_);
     return rivalry;
   }
 
@@ -195,6 +200,17 @@ class RivalSearch {
     return {turn * map_from_camera_.rotation(), upright.place};
   }
 
+  /// Every landmark that the pose sees has the area of a circle in the image to be taken for right.
+  double CountByChance(const Rigid3& map_from_camera, double max_squared_px2) const {
+    const Rigid3 camera_from_map = map_from_camera.Inverse();
+    const auto in_image = std::ranges::count_if(resemblances_, [&](const SeenResemblance& seen) {
+      const auto pixel_px = camera_.Project(camera_from_map * seen.point_in_map);
+      return pixel_px && camera_.Contains(*pixel_px);
+    });
+    const double area_px2 = static_cast<double>(camera_.width_px()) * camera_.height_px();
+    return static_cast<double>(in_image) * std::numbers::pi * max_squared_px2 / area_px2;
+  }
+
   std::size_t CountRivals(const Rigid3& map_from_camera) const {
     const Rigid3 camera_from_map = map_from_camera.Inverse();
     std::size_t count = 0;
@@ -221,6 +237,13 @@ class RivalSearch {
 };
 
 }  // namespace
+
+double Rivalry::Share() const {
+  const double rivals_beyond =
+      static_cast<double>(rivals) - chance_rivals - 3 * std::sqrt(chance_rivals);
+  const double supporters_beyond = static_cast<double>(supporters) - chance_supporters;
+  return rivals_beyond / std::max(1.0, supporters_beyond);
+}
 
 Rivalry FindRival(const CameraModel& camera, const Rigid3& map_from_camera,
                   std::span<const SeenResemblance> resemblances, const RivalOptions& options) {

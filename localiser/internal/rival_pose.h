@@ -29,7 +29,15 @@ struct RivalOptions {
 struct Rivalry {
   std::size_t supporters = 0;  ///< features that look like a landmark where the pose sees one
   std::size_t rivals = 0;      ///< features that do so for the other pose
-  Rigid3 map_from_camera;      ///< the other pose
+  /// How many of each there would be if landmarks lay in the image by chance. The more submaps are
+  /// asked, the more there are.
+  double chance_supporters = 0;
+  double chance_rivals = 0;
+  Rigid3 map_from_camera;  ///< the other pose
+
+  /// Rivals over supporters, of each what is beyond chance; three sigma more of the rivals, whose
+  /// pose was chosen to have many. Can be below 0.
+  double Share() const;
 };
 
 /// Looks for the pose elsewhere that explains most features, among all landmarks that they look

@@ -66,6 +66,7 @@ TEST_F(RivalPose, HasAsManySupportersAsTheCopyHasFeatures) {
   const Rivalry rivalry = Find(4, MovedBy({21, 0, 0}));
   EXPECT_NEAR(static_cast<double>(rivalry.rivals), 0.25 * static_cast<double>(rivalry.supporters),
               3);
+  EXPECT_NEAR(rivalry.Share(), 0.25, 0.08);
 }
 
 TEST_F(RivalPose, HasNearlyNoneWhereResemblancesAreChance) {
@@ -74,6 +75,23 @@ TEST_F(RivalPose, HasNearlyNoneWhereResemblancesAreChance) {
     return Eigen::Vector3d(random.Uniform(-40, 40), random.Uniform(10, 16), random.Uniform(-1, 7));
   });
   EXPECT_LT(static_cast<double>(rivalry.rivals), 0.1 * static_cast<double>(rivalry.supporters));
+}
+
+TEST_F(RivalPose, OfManyResemblancesByChanceHasNoMoreThanChance) {
+  support::RandomGeometry random(3);
+  std::vector<SeenResemblance> seen = See(place_, viewpoint_, 1, MovedBy({500, 0, 0}));
+  const std::size_t own = seen.size();
+  for (std::size_t i = 0; i < own; ++i) {
+    for (int other = 0; other < 100; ++other) {
+      seen.push_back({seen[i].feature,
+                      seen[i].pixel_px,
+                      {random.Uniform(-40, 40), random.Uniform(10, 16), random.Uniform(-1, 7)}});
+    }
+  }
+  std::ranges::stable_sort(seen, {}, &SeenResemblance::feature);
+  const Rivalry rivalry = FindRival(TestCamera(), viewpoint_, seen, {});
+  EXPECT_GT(static_cast<double>(rivalry.rivals), 0.09 * static_cast<double>(rivalry.supporters));
+  EXPECT_LT(rivalry.Share(), 0.05);
 }
 
 TEST_F(RivalPose, IsNotSoughtInTheSamePlace) {
