@@ -11,11 +11,26 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <thread>
 #include <utility>
 
 #include "mapping/base/process.h"
 
 namespace waymark::bench {
+
+namespace {
+
+/// What it logs later goes nowhere; a pipe that nobody reads would hold it up once it is full.
+void Drain(int pipe) {
+  std::thread([pipe] {
+    std::array<char, 4096> ignored{};
+    while (::read(pipe, ignored.data(), ignored.size()) > 0) {
+    }
+    ::close(pipe);
+  }).detach();
+}
+
+}  // namespace
 
 Result<Child> Child::Start(const std::vector<std::string>& arguments) {
   std::vector<std::string> words{std::filesystem::read_symlink("/proc/self/exe")};
@@ -27,8 +42,8 @@ Result<Child> Child::Start(const std::vector<std::string>& arguments) {
   std::string line;
   char letter = 0;
   while (process && ::read(pipe[0], &letter, 1) == 1 && letter != '\n') line += letter;
-  // The pipe stays open: what it logs later goes nowhere, without ending it.
   if (!process) return process.error();
+  Drain(pipe[0]);
   Child child(*process, std::move(line));
   if (child.line_.empty() || letter != '\n') {
     return MakeError(ErrorCode::kUnavailable, "{}: said nothing", arguments.front());
