@@ -8,21 +8,12 @@
 #include "examples/simulator/render/denoise.h"
 #include "examples/simulator/render/exposure.h"
 #include "examples/simulator/render/sensor.h"
-#include "tests/examples/simulator/small_world.h"
+#include "tests/examples/simulator/small_view.h"
 
 namespace waymark::simulator {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int kWidth = 160;
-constexpr int kHeight = 120;
-
-ViewRays TestRays() { return ViewRays(*MakeCamera({.width_px = kWidth, .height_px = kHeight})); }
-
-float RedAt(const Radiance& image, int column, int row) {
-  return image.values[3 * static_cast<std::size_t>(row * kWidth + column)];
-}
 
 /// White to the left of the middle, black to its right, 10 m away.
 City MakeStep() {

@@ -5,21 +5,12 @@
 #include <cmath>
 
 #include "examples/simulator/render/rain.h"
-#include "tests/examples/simulator/small_world.h"
+#include "tests/examples/simulator/small_view.h"
 
 namespace waymark::simulator {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr int kWidth = 160;
-constexpr int kHeight = 120;
-
-ViewRays TestRays() { return ViewRays(*MakeCamera({.width_px = kWidth, .height_px = kHeight})); }
-
-float RedAt(const Radiance& image, int column, int row) {
-  return image.values[3 * static_cast<std::size_t>(row * kWidth + column)];
-}
 
 float Contrast(const Radiance& image) {
   const auto [low, high] = std::minmax_element(image.values.begin(), image.values.end());
