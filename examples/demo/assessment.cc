@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace waymark::demo {
 namespace {
 
@@ -104,13 +106,6 @@ void MeasureSpread(AnchorFigures& figures) {
 }
 
 }  // namespace
-
-double Quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto index = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
-}
 
 PhoneFigures AssessPhone(const WalkedPhone& phone, const MapAlignment& alignment) {
   PhoneFigures figures{.name = phone.result.name};

@@ -60,7 +60,4 @@ PhoneFigures AssessPhone(const WalkedPhone& phone, const MapAlignment& alignment
 /// its last frames, so that one frame's odometry noise is not the answer.
 std::vector<AnchorFigures> AssessAnchors(const std::vector<WalkedPhone>& phones);
 
-/// The value below which a share of the values lies; 0 for none.
-double Quantile(std::vector<double> values, double share);
-
 }  // namespace waymark::demo

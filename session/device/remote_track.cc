@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/base/quantile.h"
+
 namespace waymark::session {
 namespace {
 
@@ -70,12 +72,9 @@ void RemoteTrack::Hear(const LivePose& pose, ServerTime arrived) {
 void RemoteTrack::AdaptTo(Duration lateness, ServerTime arrived) {
   lateness_s_.push_back(lateness.count());
   if (lateness_s_.size() > kLatenessWindow) lateness_s_.pop_front();
-  std::vector<double> sorted(lateness_s_.begin(), lateness_s_.end());
-  const auto at = sorted.begin() +
-                  static_cast<std::ptrdiff_t>(kLateShare * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), at, sorted.end());
-  const Duration wanted =
-      std::clamp(Duration(*at) - options_.horizon, Duration(0), options_.max_delay);
+  const Duration late(
+      Quantile(std::vector<double>(lateness_s_.begin(), lateness_s_.end()), kLateShare));
+  const Duration wanted = std::clamp(late - options_.horizon, Duration(0), options_.max_delay);
   const double elapsed_s = arrived_ ? std::max(0.0, Seconds(arrived - *arrived_)) : 0;
   delay_ = std::clamp(wanted, delay_ - Duration(kShrinksBy * elapsed_s),
                       delay_ + Duration(kGrowsBy * elapsed_s));

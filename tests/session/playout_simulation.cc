@@ -122,12 +122,4 @@ PlayoutErrors SimulatePlayout(const NetworkProfile& profile, const PlayoutOption
   return errors;
 }
 
-double QuantileOf(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
 }  // namespace waymark::session::support

@@ -36,6 +36,4 @@ struct PlayoutErrors {
 PlayoutErrors SimulatePlayout(const NetworkProfile& profile, const PlayoutOptions& options,
                               std::uint64_t seed);
 
-double QuantileOf(std::vector<double> values, double share);
-
 }  // namespace waymark::session::support

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/device/remote_track.h"
+#include "mapping/base/quantile.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -10,7 +11,6 @@ namespace waymark::session {
 namespace {
 
 using std::chrono::milliseconds;
-using support::QuantileOf;
 
 constexpr ServerTime kStart{std::chrono::hours(1)};
 
@@ -119,9 +119,9 @@ TEST(RemoteTrack, IsNearerToTheTruthThanTheLatestReportOnMobileNetworks) {
             "{:5.2f} "
             "deg, from frame to frame p95 {:4.1f} cm, beyond 3 sigma {:.2f} %\n",
             profile.name, is_stream ? "stream" : "datagrams", name,
-            100 * QuantileOf(shown.position_m, 0.5), 100 * QuantileOf(shown.position_m, 0.95),
-            57.2958 * QuantileOf(shown.rotation_rad, 0.5),
-            57.2958 * QuantileOf(shown.rotation_rad, 0.95), 100 * QuantileOf(shown.jump_m, 0.95),
+            100 * Quantile(shown.position_m, 0.5), 100 * Quantile(shown.position_m, 0.95),
+            57.2958 * Quantile(shown.rotation_rad, 0.5),
+            57.2958 * Quantile(shown.rotation_rad, 0.95), 100 * Quantile(shown.jump_m, 0.95),
             100.0 *
                 static_cast<double>(std::ranges::count_if(
                     shown.per_sigma, [](double sigmas) { return sigmas > 3; })) /
@@ -129,13 +129,12 @@ TEST(RemoteTrack, IsNearerToTheTruthThanTheLatestReportOnMobileNetworks) {
       };
       print("latest", errors.latest);
       print("track", errors.track);
-      EXPECT_LT(QuantileOf(errors.track.position_m, 0.5),
-                0.6 * QuantileOf(errors.latest.position_m, 0.5))
+      EXPECT_LT(Quantile(errors.track.position_m, 0.5),
+                0.6 * Quantile(errors.latest.position_m, 0.5))
           << profile.name;
-      EXPECT_LT(QuantileOf(errors.track.position_m, 0.95),
-                QuantileOf(errors.latest.position_m, 0.95))
+      EXPECT_LT(Quantile(errors.track.position_m, 0.95), Quantile(errors.latest.position_m, 0.95))
           << profile.name;
-      EXPECT_LT(QuantileOf(errors.track.jump_m, 0.95), QuantileOf(errors.latest.jump_m, 0.95))
+      EXPECT_LT(Quantile(errors.track.jump_m, 0.95), Quantile(errors.latest.jump_m, 0.95))
           << profile.name;
     }
   }

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "mapping/base/quantile.h"
 #include "session/device/device_session.h"
 #include "tests/bench/network/drive_map.h"
 #include "tests/evaluation/running.h"
@@ -92,13 +93,7 @@ struct Series {
   std::vector<double> values;
 
   void Add(double value) { values.push_back(value); }
-  double Quantile(double share) {
-    if (values.empty()) return NAN;
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
-  }
+  double Quantile(double share) const { return waymark::Quantile<double>(values, share, NAN); }
 };
 
 struct Measured {

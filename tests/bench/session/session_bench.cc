@@ -9,6 +9,7 @@
 #include <string>
 #include <thread>
 
+#include "mapping/base/quantile.h"
 #include "tests/bench/session/apps.h"
 #include "tests/bench/session/bus_crowd.h"
 #include "tests/bench/session/child.h"
@@ -102,7 +103,8 @@ Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& f
   WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
   Crowd::Options options{.phones = phones, .hz = flags.hz};
   options.edge_m = layout == "city" ? flags.city_m : flags.square_m;
-  if (layout == "rooms" || layout == "peers") options.per_room = static_cast<std::uint64_t>(flags.per_room);
+  if (layout == "rooms" || layout == "peers")
+    options.per_room = static_cast<std::uint64_t>(flags.per_room);
   if (layout == "peers") options.edge_m = kCloseRoom_m;
   WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
   Row row{.layout = layout, .phones = phones};
@@ -147,9 +149,10 @@ Result<void> MeasureAppTimes(const Flags& flags) {
     fmt::print(
         "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times); acknowledged "
         "anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
-        is_direct ? "on the bus" : "through a gateway", kOthers, Quantile(times->joins_ms, 0.5),
-        Quantile(times->joins_ms, 0.99), flags.joins, Quantile(times->anchors_ms, 0.5),
-        Quantile(times->anchors_ms, 0.99), flags.anchors);
+        is_direct ? "on the bus" : "through a gateway", kOthers,
+        Quantile(times->joins_ms, 0.5, NAN), Quantile(times->joins_ms, 0.99, NAN), flags.joins,
+        Quantile(times->anchors_ms, 0.5, NAN), Quantile(times->anchors_ms, 0.99, NAN),
+        flags.anchors);
   }
   return {};
 }

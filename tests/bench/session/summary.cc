@@ -9,6 +9,8 @@
 #include <map>
 #include <set>
 
+#include "mapping/base/quantile.h"
+
 namespace waymark::bench {
 namespace {
 
@@ -31,14 +33,6 @@ std::map<std::string, std::vector<Row>> ByLayout(const std::vector<Row>& rows) {
 }
 
 }  // namespace
-
-double Quantile(std::vector<float> values, double share) {
-  if (values.empty()) return NAN;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
 
 namespace {
 
@@ -79,10 +73,10 @@ void Summarise(const Walked& walked, double tick_hz, Row& row) {
   row.delivered = ShareOfFrames(walked.heard, tick_hz);
   row.bytes_per_s = bytes / count / walked.seconds;
   row.poses_per_s = poses / count / walked.seconds;
-  row.age_p50_ms = Quantile(ages_ms, 0.5);
-  row.age_p99_ms = Quantile(ages_ms, 0.99);
-  row.leg_p50_ms = Quantile(legs_ms, 0.5);
-  row.leg_p99_ms = Quantile(legs_ms, 0.99);
+  row.age_p50_ms = Quantile(ages_ms, 0.5, NAN);
+  row.age_p99_ms = Quantile(ages_ms, 0.99, NAN);
+  row.leg_p50_ms = Quantile(legs_ms, 0.5, NAN);
+  row.leg_p99_ms = Quantile(legs_ms, 0.99, NAN);
 }
 
 void PrintHead() {

@@ -21,8 +21,6 @@ struct Row {
   double server_mib = 0, gateway_mib = 0;
 };
 
-double Quantile(std::vector<float> values, double share);
-
 /// Fills in what the phones heard. Everybody walks with three others who report between any two
 /// ticks, so a frame is due to every phone at every tick, also at one that the server was too busy
 /// for.

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <numbers>
 
+#include "mapping/base/quantile.h"
+
 namespace waymark::evaluation {
 namespace {
 
@@ -24,14 +26,6 @@ double ShareBelow(const std::vector<double>& values, double limit) {
   const auto below =
       std::count_if(values.begin(), values.end(), [&](double value) { return value <= limit; });
   return values.empty() ? 0 : static_cast<double>(below) / static_cast<double>(values.size());
-}
-
-double Quantile95(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(0.95 * (static_cast<double>(values.size()) - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
 }
 
 }  // namespace
@@ -123,8 +117,8 @@ Calibration Calibrate(std::span<const Verdict> verdicts, const std::string& kind
           .position_inside = ShareBelow(position, kChiSquare3),
           .rotation_inside = ShareBelow(rotation, kChiSquare3),
           .pose_inside = ShareBelow(pose, kChiSquare6),
-          .position_factor = std::sqrt(Quantile95(position) / kChiSquare3),
-          .rotation_factor = std::sqrt(Quantile95(rotation) / kChiSquare3)};
+          .position_factor = std::sqrt(Quantile(position, 0.95) / kChiSquare3),
+          .rotation_factor = std::sqrt(Quantile(rotation, 0.95) / kChiSquare3)};
 }
 
 }  // namespace waymark::evaluation

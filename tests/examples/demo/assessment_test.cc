@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "examples/demo/promises.h"
+#include "mapping/base/quantile.h"
 #include "tests/support/random_geometry.h"
 
 namespace waymark::demo {

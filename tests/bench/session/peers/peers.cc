@@ -13,6 +13,7 @@
 #include <sstream>
 #include <thread>
 
+#include "mapping/base/quantile.h"
 #include "tests/bench/session/child.h"
 #include "tests/bench/session/peers/peer_crowd.h"
 #include "tests/bench/session/summary.h"
@@ -118,8 +119,8 @@ Result<PeerRow> Measure(const std::string& way, const Broker& broker, int phones
   PeerRow row{.way = way, .phones = phones};
   row.poses_per_s = static_cast<double>(heard.poses) / heard.seconds;
   row.share = row.poses_per_s / (phones * options.hz * (options.per_room - 1));
-  row.age_p50_ms = Quantile(heard.ages_ms, 0.5);
-  row.age_p99_ms = Quantile(heard.ages_ms, 0.99);
+  row.age_p50_ms = Quantile(heard.ages_ms, 0.5, NAN);
+  row.age_p99_ms = Quantile(heard.ages_ms, 0.99, NAN);
   row.broker_cores = (broker.process.CpuS() - broker_s) / wall_s;
   row.phones_cores = (OwnCpuS() - own_s) / wall_s;
   return row;
