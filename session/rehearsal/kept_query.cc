@@ -106,7 +106,7 @@ Result<LocaliseQuery> DecodeKeptQuery(std::span<const std::uint8_t> bytes, std::
   }
 }
 
-Result<std::vector<LocaliseQuery>> LoadKeptQueries(const fs::path& folder) {
+Result<std::vector<fs::path>> ListKeptQueries(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> files;
   for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
@@ -118,13 +118,12 @@ Result<std::vector<LocaliseQuery>> LoadKeptQueries(const fs::path& folder) {
                      error.message());
   }
   std::ranges::sort(files);
-  std::vector<LocaliseQuery> queries;
-  for (const fs::path& file : files) {
-    WAYMARK_TRY_ASSIGN(const auto bytes, LoadFile(file));
-    WAYMARK_TRY_ASSIGN(auto query, DecodeKeptQuery(bytes, file.string()));
-    queries.push_back(std::move(query));
-  }
-  return queries;
+  return files;
+}
+
+Result<LocaliseQuery> LoadKeptQuery(const fs::path& file) {
+  WAYMARK_TRY_ASSIGN(const auto bytes, LoadFile(file));
+  return DecodeKeptQuery(bytes, file.string());
 }
 
 }  // namespace waymark::session

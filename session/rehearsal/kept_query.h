@@ -19,9 +19,10 @@ std::vector<std::uint8_t> EncodeKeptQuery(const LocaliseQuery& query);
 /// Unsupported (another version); messages begin with `name`.
 Result<LocaliseQuery> DecodeKeptQuery(std::span<const std::uint8_t> bytes, std::string_view name);
 
-/// All questions in a folder and the folders in it, sorted by name. Errors: NotFound, those of
-/// DecodeKeptQuery.
-Result<std::vector<LocaliseQuery>> LoadKeptQueries(const std::filesystem::path& folder);
+/// The files of all questions in a folder and the folders in it, sorted. Errors: NotFound.
+Result<std::vector<std::filesystem::path>> ListKeptQueries(const std::filesystem::path& folder);
+/// Errors: those of files and of DecodeKeptQuery.
+Result<LocaliseQuery> LoadKeptQuery(const std::filesystem::path& file);
 
 inline constexpr std::string_view kKeptQueryEnding = ".query";
 

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <mutex>
 #include <utility>
+
+#include "mapping/base/quantile.h"
+#include "session/rehearsal/kept_query.h"
 
 namespace waymark::session {
 namespace {
@@ -34,12 +36,6 @@ void Count(const ReplayedQuery& query, LocalisedShare& share) {
   ++share.asked;
   share.in_live += query.in_live ? 1 : 0;
   share.in_candidate += query.in_candidate ? 1 : 0;
-}
-
-/// Of the sorted values; 0 of none.
-double Quantile(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return 0;
-  return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
 double Share(std::size_t part, std::size_t whole) {
@@ -101,21 +97,29 @@ Result<void> RehearsalLimits::Validate() const {
                    "rehearsal: max_anchor_move_m must be >= 0, found {}", max_anchor_move_m);
 }
 
-std::vector<ReplayedQuery> ReplayQueries(const std::vector<LocaliseQuery>& queries,
-                                         const LocaliseFunction& live,
-                                         const LocaliseFunction& candidate,
-                                         const TangentPlane& map_plane,
-                                         const Parallelism& parallelism,
-                                         const std::function<void(std::size_t)>& progress) {
-  std::vector<ReplayedQuery> replayed(queries.size());
+Result<std::vector<ReplayedQuery>> ReplayQueries(const std::vector<std::filesystem::path>& files,
+                                                 const LocaliseFunction& live,
+                                                 const LocaliseFunction& candidate,
+                                                 const TangentPlane& map_plane,
+                                                 const Parallelism& parallelism,
+                                                 const std::function<void(std::size_t)>& progress) {
+  std::vector<ReplayedQuery> replayed(files.size());
+  std::vector<std::optional<Error>> failures(files.size());
   std::mutex mutex;
   std::size_t done = 0;  // guarded by mutex
-  ParallelFor(queries.size(), parallelism, [&](std::size_t i) {
-    replayed[i] = Replay(queries[i], live, candidate, map_plane);
+  ParallelFor(files.size(), parallelism, [&](std::size_t i) {
+    if (const auto query = LoadKeptQuery(files[i]); query.ok()) {
+      replayed[i] = Replay(*query, live, candidate, map_plane);
+    } else {
+      failures[i] = query.error();
+    }
     const std::lock_guard lock(mutex);
     ++done;
     if (progress) progress(done);
   });
+  for (const std::optional<Error>& failure : failures) {
+    if (failure) return *failure;
+  }
   return replayed;
 }
 
@@ -128,7 +132,6 @@ RehearsalReport JudgeRelease(const std::vector<ReplayedQuery>& queries,
     Count(query, report.cells[query.cell]);
     if (query.in_live && query.in_candidate) apart_m.push_back(query.apart_m);
   }
-  std::ranges::sort(apart_m);
   report.localised_in_both = apart_m.size();
   report.far_apart = static_cast<std::size_t>(
       std::ranges::count_if(apart_m, [](double apart) { return apart > kFarApart_m; }));

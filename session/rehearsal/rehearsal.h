@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -59,14 +60,13 @@ struct RehearsalReport {
   bool HasPassed() const { return objections.empty(); }
 };
 
-/// Asks both releases; answers in the questions' order. Where a question was is what an answer or
-/// else its prior says; one that nobody can place counts at the map's origin.
-std::vector<ReplayedQuery> ReplayQueries(const std::vector<LocaliseQuery>& queries,
-                                         const LocaliseFunction& live,
-                                         const LocaliseFunction& candidate,
-                                         const TangentPlane& map_plane,
-                                         const Parallelism& parallelism,
-                                         const std::function<void(std::size_t)>& progress = {});
+/// Asks both releases what files of LoadKeptQuery hold, in their order; a thread holds one at a
+/// time. Where a question was is what an answer or else its prior says; one that nobody can place
+/// counts at the map's origin. Errors: those of LoadKeptQuery, of the first file that has one.
+Result<std::vector<ReplayedQuery>> ReplayQueries(
+    const std::vector<std::filesystem::path>& files, const LocaliseFunction& live,
+    const LocaliseFunction& candidate, const TangentPlane& map_plane,
+    const Parallelism& parallelism, const std::function<void(std::size_t)>& progress = {});
 
 /// Sums up and objects. Pure.
 RehearsalReport JudgeRelease(const std::vector<ReplayedQuery>& queries,

@@ -58,7 +58,7 @@ Result<std::vector<ReplayedQuery>> AskBoth(const Arguments& arguments,
                                            const mapping::MapDirectory& map,
                                            const mapping::Release& live,
                                            const mapping::Release& candidate) {
-  WAYMARK_TRY_ASSIGN(const auto queries, LoadKeptQueries(arguments.queries));
+  WAYMARK_TRY_ASSIGN(const auto queries, ListKeptQueries(arguments.queries));
   WAYMARK_TRY_ASSIGN(const auto before, localiser::Localiser::Create(map, live, {}));
   WAYMARK_TRY_ASSIGN(const auto after,
                      localiser::Localiser::Create(map, candidate, {}, before.get()));

@@ -52,10 +52,14 @@ class KeptQueries : public testing::Test {
 
   /// The first byte of each.
   std::vector<int> KeptImages() const {
-    const auto kept = LoadKeptQueries(folder_);
-    EXPECT_TRUE(kept.ok()) << ToString(kept.error());
+    const auto files = ListKeptQueries(folder_);
+    EXPECT_TRUE(files.ok()) << ToString(files.error());
     std::vector<int> images;
-    for (const LocaliseQuery& query : *kept) images.push_back(query.image.front());
+    for (const fs::path& file : *files) {
+      const auto query = LoadKeptQuery(file);
+      EXPECT_TRUE(query.ok()) << ToString(query.error());
+      images.push_back(query->image.front());
+    }
     return images;
   }
 
@@ -112,7 +116,7 @@ TEST_F(KeptQueries, OfAFullPlaceAreRareAndGoOnAfterARestart) {
   Open()->Keep(Query({1}), AnswerAt({10, 10, 0}));
   Open()->Keep(Query({2}), AnswerAt({10, 10, 0}));
   Open()->Keep(Query({3}), AnswerAt({10, 10, 0}));
-  EXPECT_THAT(*LoadKeptQueries(folder_), SizeIs(3));
+  EXPECT_THAT(KeptImages(), SizeIs(3));
   {
     const auto keeper = Open(1000);
     keeper->Keep(Query({4}), AnswerAt({10, 10, 0}));
@@ -130,7 +134,7 @@ TEST_F(KeptQueries, ThatNobodyCanPlaceAreNotKeptNorThoseBeyondTheLimit) {
     keeper->Keep(Query({1}), {});  // its prior says where
     keeper->Keep(Query({2}), AnswerAt({500, 0, 0}));
   }
-  EXPECT_THAT(*LoadKeptQueries(folder_), SizeIs(1));
+  EXPECT_THAT(KeptImages(), SizeIs(1));
 }
 
 TEST_F(KeptQueries, AFailingDiskNeverKeepsAnAnswerBack) {

@@ -74,9 +74,10 @@ TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
 
   EXPECT_EQ(server.Terminate(), 0);
   EXPECT_THAT(server.ReadLine(), AllOf(StartsWith("ended: 1 joins"), HasSubstr("0 localised")));
-  const auto kept = LoadKeptQueries(queries);
+  const auto kept = ListKeptQueries(queries);
   ASSERT_TRUE(kept.ok()) << ToString(kept.error());
-  EXPECT_THAT(*kept, testing::Not(testing::IsEmpty()));
+  ASSERT_THAT(*kept, testing::Not(testing::IsEmpty()));
+  EXPECT_TRUE(LoadKeptQuery(kept->front()).ok());
 }
 
 TEST_F(Serve, GoesOverToWhateverReleaseIsLive) {
