@@ -50,7 +50,6 @@ std::optional<std::string> FindOtherCandidate(std::span<const Candidate> candida
 
 /// The least dot product that is nearly as much as each feature's best, in all submaps.
 std::vector<std::int32_t> LeastDots(std::span<const Candidate> candidates, std::size_t features) {
-  constexpr double kSquaredLength = 512.0 * 512.0;  // of a descriptor
   std::vector<std::int32_t> dots(features, 0);
   for (const Candidate& candidate : candidates) {
     for (const Resemblance& found : candidate.answer.resemblances) {
@@ -59,7 +58,7 @@ std::vector<std::int32_t> LeastDots(std::span<const Candidate> candidates, std::
   }
   for (std::int32_t& dot : dots) {
     const double angle_rad = kNearlyAsMuch * mapping::DescriptorAngle(dot);
-    dot = static_cast<std::int32_t>(kSquaredLength * std::cos(angle_rad));
+    dot = static_cast<std::int32_t>(mapping::kSquaredDescriptorLength * std::cos(angle_rad));
   }
   return dots;
 }
@@ -97,8 +96,8 @@ std::optional<std::string> FindRivalOf(std::span<const Candidate> candidates,
                                        const mapping::ImageFeatures& features,
                                        const LocalisationRequest& request,
                                        const LocaliserOptions& options) {
-  if (MedianRatio(candidates.front().answer) < kClearRatio) return std::nullopt;
   const Candidate& best = candidates.front();
+  if (MedianRatio(best.answer) < kClearRatio) return std::nullopt;
   const Rigid3& map_from_camera = best.pose->map_from_camera.rigid();
   const double scale = best.submap->released().map_from_submap.sim().scale();
   const Rivalry rivalry = FindRival(

@@ -16,8 +16,6 @@ namespace {
 using mapping::Descriptor;
 using mapping::DescriptorAngle;
 
-constexpr double kSquaredLength = 512.0 * 512.0;  // of a descriptor
-
 std::size_t GroupsNeeded(std::size_t entries) { return (entries + kGroupLanes - 1) / kGroupLanes; }
 
 }  // namespace
@@ -27,8 +25,8 @@ LandmarkSearch::LandmarkSearch(std::span<const Descriptor> descriptors,
                                const CoarseQuantiser& quantiser,
                                const LandmarkSearchOptions& options)
     : options_(options),
-      min_resemblance_dot_(static_cast<std::int32_t>(
-          kSquaredLength * std::cos(options.max_resemblance_rad))),
+      min_resemblance_dot_(static_cast<std::int32_t>(mapping::kSquaredDescriptorLength *
+                                                     std::cos(options.max_resemblance_rad))),
       has_lists_(descriptors.size() >= options.exhaustive_below) {
   CHECK(descriptors.size() == landmarks.size());
   list_begins_.assign((has_lists_ ? quantiser.size() : 1) + 1, 0);
@@ -88,8 +86,7 @@ std::optional<LandmarkMatch> LandmarkSearch::Judge(std::uint32_t index, const Pa
   std::array<std::uint32_t, kGroupLanes> landmark_of;
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
     if (best.group[lane] < 0) continue;
-    landmark_of[lane] =
-        landmarks_[static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane];
+    landmark_of[lane] = landmarks_[static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane];
     if (best.first_dot[lane] > best_dot ||
         (best.first_dot[lane] == best_dot && landmark_of[lane] < landmark)) {
       best_dot = best.first_dot[lane];

@@ -91,7 +91,6 @@ TakenSubmaps ReleaseSubmaps::Take(std::span<const std::size_t> indices) const {
   for (std::size_t k = 0; k < indices.size(); ++k) {
     if (!resident_->Holds(released_[indices[k]].id)) missing.push_back(k);
   }
-  taken.opened = missing.size();
   std::vector<std::optional<Result<OpenSubmap>>> outcomes(indices.size());
   ParallelFor(missing.size(), {},
               [&](std::size_t m) { outcomes[missing[m]] = Get(indices[missing[m]]); });

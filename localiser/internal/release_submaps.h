@@ -18,7 +18,6 @@ namespace waymark::localiser::internal {
 /// Submaps that a request may search, and why others are missing.
 struct TakenSubmaps {
   std::vector<OpenSubmap> submaps;  ///< in the release's order
-  std::size_t opened = 0;           ///< that were not in memory
   std::string failure;              ///< of the first that could not be opened; empty: none
   std::size_t failures = 0;
 };

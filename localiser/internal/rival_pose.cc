@@ -47,8 +47,8 @@ class RivalSearch {
         map_from_camera_(map_from_camera),
         resemblances_(resemblances),
         max_squared_px2_(options.max_error_px * options.max_error_px),
-        max_squared_tangent_(kRivalErrors * kRivalErrors * max_squared_px2_ /
-                             (camera.FocalX() * camera.FocalX())),
+        max_rival_px2_(kRivalErrors * kRivalErrors * max_squared_px2_),
+        max_squared_tangent_(max_rival_px2_ / (camera.FocalX() * camera.FocalX())),
         same_place_m_(options.same_place_m) {
     FindSupporters();
     FindTwins();
@@ -71,8 +71,7 @@ class RivalSearch {
     }
     rivalry.map_from_camera = PoseOf(*best);
     rivalry.rivals = CountRivals(rivalry.map_from_camera);
-    rivalry.chance_rivals =
-        CountByChance(rivalry.map_from_camera, kRivalErrors * kRivalErrors * max_squared_px2_);
+    rivalry.chance_rivals = CountByChance(rivalry.map_from_camera, max_rival_px2_);
     return rivalry;
   }
 
@@ -216,8 +215,8 @@ class RivalSearch {
     std::size_t count = 0;
     std::uint32_t last = 0xffffffffU;
     for (const SeenResemblance& seen : resemblances_) {
-      if (seen.feature == last || Error2(camera_from_map, seen.point_in_map, seen.pixel_px) >=
-                                      kRivalErrors * kRivalErrors * max_squared_px2_) {
+      if (seen.feature == last ||
+          Error2(camera_from_map, seen.point_in_map, seen.pixel_px) >= max_rival_px2_) {
         continue;
       }
       last = seen.feature;
@@ -229,8 +228,9 @@ class RivalSearch {
   const CameraModel& camera_;
   const Rigid3& map_from_camera_;
   std::span<const SeenResemblance> resemblances_;
-  double max_squared_px2_;
-  double max_squared_tangent_;  // of a rival
+  double max_squared_px2_;      // of a supporter
+  double max_rival_px2_;        // of a rival
+  double max_squared_tangent_;  // the same as an angle
   double same_place_m_;
   std::vector<std::size_t> supporters_;  // the first resemblance of each
   std::vector<Twin> twins_;              // sorted by feature

@@ -37,8 +37,7 @@ std::vector<NearestTwo> FindNearestTwo(std::span<const Descriptor> queries,
 }
 
 double DescriptorAngle(std::int32_t dot) {
-  constexpr double kUnit = 512.0 * 512.0;
-  return std::acos(std::clamp(dot / kUnit, -1.0, 1.0));
+  return std::acos(std::clamp(dot / kSquaredDescriptorLength, -1.0, 1.0));
 }
 
 Result<void> MatchOptions::Validate() const {

@@ -23,6 +23,9 @@ struct NearestTwo {
 std::vector<NearestTwo> FindNearestTwo(std::span<const Descriptor> queries,
                                        std::span<const Descriptor> database);
 
+/// Of a descriptor, whose values are 512 times those of a unit vector.
+inline constexpr double kSquaredDescriptorLength = 512.0 * 512.0;
+
 /// The angle in radians between two descriptors of this dot product, taken as unit vectors.
 double DescriptorAngle(std::int32_t dot);
 
