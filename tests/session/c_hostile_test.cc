@@ -153,6 +153,7 @@ TEST_F(CHostile, FramesAreChecked) {
       [](auto& f) { f.has_up = 1; },
       [](auto& f) { f.latitude_deg = 91; },
       [](auto& f) { f.longitude_deg = kNaN; },
+      [](auto& f) { f.longitude_deg = 200; },
       [](auto& f) { f.gnss_sigma_m = 0; },
   });
   for (std::size_t i = 0; i < spoilers.size(); ++i) {

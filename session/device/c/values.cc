@@ -80,9 +80,10 @@ Result<void> ReadSenses(const WaymarkFrame& theirs, DeviceFrame& frame) {
     frame.up_in_camera = up.normalized();
   }
   if (theirs.has_gnss == 0) return {};
-  const bool is_on_earth = std::abs(theirs.latitude_deg) <= 90 &&
-                           std::abs(theirs.longitude_deg) <= 360 &&
-                           std::abs(theirs.ellipsoid_height_m) < 1e5;
+  const GeoPoint place{.latitude = Angle::Degrees(theirs.latitude_deg),
+                       .longitude = Angle::Degrees(theirs.longitude_deg),
+                       .ellipsoid_height_m = theirs.ellipsoid_height_m};
+  const bool is_on_earth = place.Validate().ok() && std::abs(place.ellipsoid_height_m) < 1e5;
   if (!is_on_earth || !(theirs.gnss_sigma_m > 0) || !std::isfinite(theirs.gnss_sigma_m)) {
     return MakeError(ErrorCode::kInvalidArgument,
                      "frame's GNSS: expected degrees, metres and a sigma above 0, found {}, {}, {} "
@@ -90,9 +91,7 @@ Result<void> ReadSenses(const WaymarkFrame& theirs, DeviceFrame& frame) {
                      theirs.latitude_deg, theirs.longitude_deg, theirs.ellipsoid_height_m,
                      theirs.gnss_sigma_m);
   }
-  frame.gnss = GeoPoint{.latitude = Angle::Degrees(theirs.latitude_deg),
-                        .longitude = Angle::Degrees(theirs.longitude_deg),
-                        .ellipsoid_height_m = theirs.ellipsoid_height_m};
+  frame.gnss = place;
   frame.gnss_sigma_m = theirs.gnss_sigma_m;
   return {};
 }
