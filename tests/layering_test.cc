@@ -25,7 +25,7 @@ struct Include {
 };
 
 /// Bottom-up; a layer may include itself and everything below it, unless kMayOnlySee narrows it.
-constexpr std::array<std::string_view, 38> kLayers{
+constexpr std::array<std::string_view, 37> kLayers{
     "mapping/base",
     "mapping/geometry",
     "mapping/experience",
@@ -52,7 +52,6 @@ constexpr std::array<std::string_view, 38> kLayers{
     "session/recording",
     "session/dds",
     "session/wire",
-    "session/handlers",
     "session/socket",
     "session/gateway",
     "session/server",
