@@ -100,6 +100,7 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
   std::vector<std::uint32_t> waiting(size, kNone), next(size, kNone);
   std::vector<std::uint32_t> reached(begin_.begin(), begin_.end() - 1);
   std::vector<std::uint32_t> slot_of_row(size, kNone);
+  const internal::BlockKernels& kernels = internal::ChosenBlockKernels();
   const auto wait = [&](std::uint32_t column) {
     if (reached[column] == begin_[column + 1]) return;
     std::uint32_t& head = waiting[rows_[reached[column]]];
@@ -111,9 +112,9 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
       const std::uint32_t following = next[c];
       const PaddedBlock& across = blocks_[reached[c]];
       const std::size_t below = reached[c] + 1, count = begin_[c + 1] - below;
-      internal::SubtractProduct(across, across, diagonal_[j]);
-      internal::SubtractColumn({blocks_.data() + below, count}, {rows_.data() + below, count},
-                               across, slot_of_row, blocks_.data());
+      kernels.subtract_product(across, across, diagonal_[j]);
+      kernels.subtract_column({blocks_.data() + below, count}, {rows_.data() + below, count},
+                              across, slot_of_row, blocks_.data());
       ++reached[c];
       wait(c);
       c = following;
@@ -133,10 +134,11 @@ bool BlockCholesky::FactorColumn(std::uint32_t column) {
   Of(rough_inverse_diagonal_[column]) = inverse.cast<float>();
   PaddedBlock across{};
   Of(across) = -inverse;
+  const internal::BlockKernels& kernels = internal::ChosenBlockKernels();
   for (std::uint32_t k = begin_[column]; k < begin_[column + 1]; ++k) {
     const PaddedBlock block = blocks_[k];
     blocks_[k] = {};
-    internal::SubtractProduct(block, across, blocks_[k]);
+    kernels.subtract_product(block, across, blocks_[k]);
     Of(rough_blocks_[k]) = Of(blocks_[k]).cast<float>();
   }
   return true;
@@ -169,17 +171,18 @@ std::vector<BlockVector> BlockCholesky::SolveRoughly(std::span<const BlockVector
     return std::pair(std::span(rough_blocks_).subspan(begin_[j], begin_[j + 1] - begin_[j]),
                      std::span(rows_).subspan(begin_[j], begin_[j + 1] - begin_[j]));
   };
+  const internal::BlockKernels& kernels = internal::ChosenBlockKernels();
   std::vector<RoughVector> x(size);
   for (std::size_t j = 0; j < size; ++j) Of(x[j]) = right[unknown_at_[j]].cast<float>();
   for (std::size_t j = 0; j < size; ++j) {
     Of(x[j]) = Of(rough_inverse_diagonal_[j]).lazyProduct(Of(x[j])).eval();
     const auto [blocks, rows] = column(j);
-    internal::SubtractDownwards(blocks, rows, x[j], x.data());
+    kernels.subtract_downwards(blocks, rows, x[j], x.data());
   }
   std::vector<BlockVector> solution(size);
   for (std::size_t j = size; j-- > 0;) {
     const auto [blocks, rows] = column(j);
-    internal::SubtractUpwards(blocks, rows, x.data(), x[j]);
+    kernels.subtract_upwards(blocks, rows, x.data(), x[j]);
     Of(x[j]) = Of(rough_inverse_diagonal_[j]).transpose().lazyProduct(Of(x[j])).eval();
     solution[unknown_at_[j]] = Of(x[j]).cast<double>();
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/fusion/internal/block_kernels.h"
 
+#include <vector>
+
 namespace waymark::mapping::internal {
 namespace {
 
@@ -61,14 +63,7 @@ WAYMARK_INLINE void Upwards(std::span<const RoughBlock> column, std::span<const 
   }
 }
 
-struct Kernels {
-  decltype(&mapping::internal::SubtractProduct) product;
-  decltype(&mapping::internal::SubtractColumn) column;
-  decltype(&mapping::internal::SubtractDownwards) downwards;
-  decltype(&mapping::internal::SubtractUpwards) upwards;
-};
-
-#define WAYMARK_KERNELS(NAME, TARGET)                                                            \
+#define WAYMARK_KERNELS(NAME, TEXT, TARGET)                                                      \
   TARGET void Product##NAME(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {   \
     Product(a, b, target);                                                                       \
   }                                                                                              \
@@ -87,45 +82,29 @@ struct Kernels {
                             RoughVector& of_column) {                                            \
     Upwards(column, rows, x, of_column);                                                         \
   }                                                                                              \
-  constexpr Kernels k##NAME{Product##NAME, Column##NAME, Downwards##NAME, Upwards##NAME};
+  constexpr BlockKernels k##NAME{TEXT, Product##NAME, Column##NAME, Downwards##NAME, Upwards##NAME};
 
-WAYMARK_KERNELS(Portable, )
+WAYMARK_KERNELS(Portable, "portable", )
 #if defined(__x86_64__)
-WAYMARK_KERNELS(Avx2, __attribute__((target("avx2"))))
-WAYMARK_KERNELS(Avx512, __attribute__((target("avx512f"))))
+WAYMARK_KERNELS(Avx2, "avx2", __attribute__((target("avx2"))))
+WAYMARK_KERNELS(Avx512, "avx512", __attribute__((target("avx512f"))))
 #endif
 
-const Kernels& Chosen() {
-  static const Kernels& kernels = []() -> const Kernels& {
+std::vector<BlockKernels> ListSupported() {
+  std::vector<BlockKernels> sets;
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx512f")) return kAvx512;
-    if (__builtin_cpu_supports("avx2")) return kAvx2;
+  if (__builtin_cpu_supports("avx512f")) sets.push_back(kAvx512);
+  if (__builtin_cpu_supports("avx2")) sets.push_back(kAvx2);
 #endif
-    return kPortable;
-  }();
-  return kernels;
+  sets.push_back(kPortable);
+  return sets;
 }
 
 }  // namespace
 
-void SubtractProduct(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {
-  Chosen().product(a, b, target);
-}
-
-void SubtractColumn(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
-                    const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
-                    PaddedBlock* targets) {
-  Chosen().column(column, rows, across, slot_of_row, targets);
-}
-
-void SubtractDownwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
-                       const RoughVector& of_column, RoughVector* x) {
-  Chosen().downwards(column, rows, of_column, x);
-}
-
-void SubtractUpwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
-                     const RoughVector* x, RoughVector& of_column) {
-  Chosen().upwards(column, rows, x, of_column);
+std::span<const BlockKernels> SupportedBlockKernels() {
+  static const std::vector<BlockKernels> sets = ListSupported();
+  return sets;
 }
 
 }  // namespace waymark::mapping::internal

@@ -25,21 +25,33 @@ struct alignas(32) RoughVector {
   float at[kBlockRows];  ///< the last is zero
 };
 
-/// target -= a * b^T.
-void SubtractProduct(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target);
+/// The loops for one set of vector instructions.
+struct BlockKernels {
+  const char* name;
 
-/// A finished column's share in the blocks below the diagonal of a later one: for each i,
-/// targets[slot_of_row[rows[i]]] -= column[i] * across^T.
-void SubtractColumn(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
-                    const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
-                    PaddedBlock* targets);
+  /// target -= a * b^T.
+  void (*subtract_product)(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target);
 
-/// For each i, x[rows[i]] -= column[i] * of_column.
-void SubtractDownwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
-                       const RoughVector& of_column, RoughVector* x);
+  /// A finished column's share in the blocks below the diagonal of a later one: for each i,
+  /// targets[slot_of_row[rows[i]]] -= column[i] * across^T.
+  void (*subtract_column)(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
+                          const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
+                          PaddedBlock* targets);
 
-/// of_column -= the sum over i of column[i]^T * x[rows[i]].
-void SubtractUpwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
-                     const RoughVector* x, RoughVector& of_column);
+  /// For each i, x[rows[i]] -= column[i] * of_column.
+  void (*subtract_downwards)(std::span<const RoughBlock> column,
+                             std::span<const std::uint32_t> rows, const RoughVector& of_column,
+                             RoughVector* x);
+
+  /// of_column -= the sum over i of column[i]^T * x[rows[i]].
+  void (*subtract_upwards)(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
+                           const RoughVector* x, RoughVector& of_column);
+};
+
+/// The sets that this processor can run, widest first; the last is the portable one.
+std::span<const BlockKernels> SupportedBlockKernels();
+
+/// The widest.
+inline const BlockKernels& ChosenBlockKernels() { return SupportedBlockKernels().front(); }
 
 }  // namespace waymark::mapping::internal

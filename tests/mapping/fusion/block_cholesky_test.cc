@@ -59,24 +59,6 @@ TEST(BlockCholesky, SolvesRoughlyToSinglePrecision) {
   }
 }
 
-TEST(BlockKernels, AColumnIsSubtractedWhereItsRowsAre) {
-  using Padded = Eigen::Matrix<double, 8, 7>;
-  std::vector<Padded> random;
-  for (int i = 0; i < 6; ++i) {
-    random.push_back(Padded::Random());
-    random.back().row(7).setZero();
-  }
-  std::vector<internal::PaddedBlock> blocks(6);
-  for (std::size_t i = 0; i < 6; ++i) std::copy_n(random[i].data(), 56, &blocks[i].at[0][0]);
-  const std::vector<std::uint32_t> rows{4, 1}, slot_of_row{0, 5, 0, 0, 3};
-  internal::SubtractColumn(std::span(blocks).first(2), rows, blocks[2], slot_of_row, blocks.data());
-  random[3] -= random[0] * random[2].topRows<7>().transpose();
-  random[5] -= random[1] * random[2].topRows<7>().transpose();
-  for (std::size_t i = 0; i < 6; ++i) {
-    EXPECT_LT((Eigen::Map<const Padded>(&blocks[i].at[0][0]) - random[i]).norm(), 1e-14) << i;
-  }
-}
-
 TEST(BlockCholesky, FactorsAgainWithOtherNumbers) {
   RandomSystem system = MakeSystem(20, 40, 8);
   BlockCholesky cholesky(RandomOrder(20, system.edges), system.edges);
