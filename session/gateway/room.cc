@@ -143,7 +143,7 @@ void Room::On(const PoseBatch& batch, const wire::SharedFrame&) {
 void Room::TellPoses() {
   const std::lock_guard lock(mutex_);
   is_telling_ = false;
-  relay_.FinishHearing();
+  relay_.FinishHearing(tick_.tick);
   const wire::PoseSheet sheet(tick_, relay_.poses());
   const auto slot = wire::SlotOf(wire::Downward(tick_));
   for (auto& [phone, listener] : phones_) {

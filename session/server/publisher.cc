@@ -121,7 +121,7 @@ void Publisher::TellDevices(const effect::PublishPoses& effect, ServerTime now) 
   if (audience == audiences_.end()) return;
   PoseRelay& relay = audience->second.relay;
   relay.Hear(effect.epoch, effect.poses, now);
-  relay.FinishHearing();
+  relay.FinishHearing(effect.tick);
   PoseBatch batch{
       .tick = effect.tick, .epoch = effect.epoch, .run = effect.run, .time = now, .poses = {}};
   for (auto& [device, listener] : audience->second.listeners) {

@@ -47,7 +47,7 @@ class Server::Loop {
  public:
   Loop(const ServerOptions& options, ServerParts parts)
       : tick_(std::chrono::duration_cast<std::chrono::nanoseconds>(
-            std::chrono::duration<double>(1 / options.tick_hz))),
+            std::chrono::duration<double>(1 / (options.frame_hz * kTicksPerFrame)))),
         run_(RunId{RandomBits()}),
         inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
         begin_{.options = options.state,
@@ -130,7 +130,8 @@ class Server::Loop {
       Apply(event::Ticked{});
       publisher_->Tend(Now());
       LookAtDoor();
-      next_tick = std::max(next_tick + tick_, steady_clock::now());  // late ticks do not pile up
+      // Late ticks are made up for, but do not pile up beyond a frame.
+      next_tick = std::max(next_tick + tick_, steady_clock::now() - (kTicksPerFrame - 1) * tick_);
     }
   }
 

@@ -20,7 +20,7 @@ namespace waymark::session {
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< of the interface to serve on
   int dds_domain = 0;                 ///< [0, 230]
-  double tick_hz = 30;                ///< pose batches per second, [1, 240]; 30 adds 20 ms at p50
+  double frame_hz = 30;               ///< pose batches per second to a listener, [1, 60]
   int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
   /// Of the server's credentials for DDS Security (session/keys); empty: DDS is open.
   std::string security_folder = {};

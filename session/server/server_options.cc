@@ -14,8 +14,9 @@ dds::ParticipantOptions ServerOptions::BusOptions() const {
 }
 
 Result<void> ServerOptions::Validate() const {
-  if (!(tick_hz >= 1 && tick_hz <= 240)) {
-    return MakeError(ErrorCode::kInvalidArgument, "tick: expected [1, 240] Hz, found {}", tick_hz);
+  if (!(frame_hz >= 1 && frame_hz <= 60)) {
+    return MakeError(ErrorCode::kInvalidArgument, "frame rate: expected [1, 60] Hz, found {}",
+                     frame_hz);
   }
   WAYMARK_TRY(localise.Validate());
   WAYMARK_TRY(state.Validate());

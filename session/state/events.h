@@ -91,7 +91,7 @@ struct ReleaseSwapped {
   std::uint64_t epoch = 1;
   std::shared_ptr<const Placements> placements;  ///< of all its submaps
 };
-/// Time has passed; comes at the tick rate.
+/// Time has passed; comes kTicksPerFrame times in the period of a frame.
 struct Ticked {};
 
 }  // namespace event

@@ -36,7 +36,10 @@ inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
 inline constexpr std::size_t kMaxPosesPerBatch = 52;     ///< 52 * 24 octets fit one fragment
 inline constexpr std::size_t kMaxPerGatewayReport = 64;  ///< poses, pings, pongs
-inline constexpr double kMaxSpeed_mps = 32;              ///< of a shared pose; faster ones are cut
+/// A listener is told of others once in so many ticks, each in ticks of its own: so the frames of a
+/// crowd are spread over the period instead of waiting for each other.
+inline constexpr std::uint32_t kTicksPerFrame = 4;
+inline constexpr double kMaxSpeed_mps = 32;  ///< of a shared pose; faster ones are cut
 inline constexpr double kMaxCoordinate_m = 1e6;
 
 enum class RunId : std::uint64_t {};          ///< one life of a server process

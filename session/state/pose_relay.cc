@@ -69,8 +69,8 @@ void PoseRelay::Clear() {
   for (Slot slot = 0; slot < entries_.size(); ++slot) free_.push_back(slot);
 }
 
-void PoseRelay::FinishHearing() {
-  ++ticks_;
+void PoseRelay::FinishHearing(std::uint32_t tick) {
+  tick_ = tick;
   grid_.Clear();
   seen_.resize(entries_.size());
   for (Slot slot = 0; slot < entries_.size(); ++slot) {
@@ -92,11 +92,17 @@ void PoseRelay::FinishHearing() {
 
 // ---- choosing ---------------------------------------------------------------------------------
 
+std::uint32_t PoseRelay::FrameOf(const Listener& listener) const {
+  return (tick_ + static_cast<std::uint32_t>(listener.number_)) / kTicksPerFrame;
+}
+
 std::span<const PoseRelay::Slot> PoseRelay::Choose(Listener& listener) {
   chosen_.clear();
+  const std::uint32_t frame = FrameOf(listener);
+  if (std::exchange(listener.frame_, frame) == frame) return chosen_;
   listener.told_.resize(entries_.size());
   const std::size_t places = PlacesFor(listener);
-  const std::size_t in_turn = (places + ticks_ % kShareInTurn) / kShareInTurn;
+  const std::size_t in_turn = (places + frame % kShareInTurn) / kShareInTurn;
   const std::optional<Viewpoint> viewpoint = ViewpointOf(listener);
   if (viewpoint) ChooseNeighbours(*viewpoint, places - in_turn, listener);
   ChooseInTurn(viewpoint, places, listener);
@@ -160,9 +166,9 @@ void PoseRelay::Tell(Slot slot, Listener& listener) {
 void PoseRelay::ChooseNeighbours(const Viewpoint& viewpoint, std::size_t places,
                                  Listener& listener) {
   const auto near = grid_.Near(viewpoint.position_m, options_.max_neighbours);
-  // More in the narrowest neighbourhood than can be weighed: another part of them every tick.
+  // More in the narrowest neighbourhood than can be weighed: another part of them in every frame.
   const std::size_t count = std::min(near.count, options_.max_neighbours);
-  const std::size_t begin = near.count > count ? ticks_ * count % near.count : 0;
+  const std::size_t begin = near.count > count ? FrameOf(listener) * count % near.count : 0;
   candidates_.clear();
   std::size_t position = 0;
   for (const auto& run : near.runs) {

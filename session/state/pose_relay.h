@@ -18,18 +18,20 @@ struct RelayOptions {
   Result<void> Validate() const;
 };
 
-/// Decides who is told whose pose in a tick, within a budget for each listener: in any time t no
-/// more than bytes_per_s * (t + 0.1 s), 64 for a batch and 24 for each pose in it. Those that
-/// would be seen to move most come first: near, fast, and where the listener looks. In numbers,
-/// with v a phone's speed (0.15 m/s at least), d its distance (1 m at least) and g = 1 within 60
-/// degrees of the gaze and 1/4 elsewhere, it moves by v g / d on the screen, in rad/s.
+/// Decides who is told whose pose, once in kTicksPerFrame ticks, within a budget for each listener:
+/// in any time t no more than bytes_per_s * (t + 0.1 s), 64 for a batch and 24 for each pose in it.
+/// Those that would be seen to move most come first: near, fast, and where the listener looks. In
+/// numbers, with v a phone's speed (0.15 m/s at least), d its distance (1 m at least) and g = 1
+/// within 60 degrees of the gaze and 1/4 elsewhere, it moves by v g / d on the screen, in rad/s.
 ///
 /// - A pose is due when it is new and either nearer than 20 m, or it would be seen to have moved by
 ///   2 mrad since the listener was last told, or 10 s have passed.
 /// - Of the neighbours that are due, those that move most have half of the places to themselves;
 ///   the rest go to those that have moved most since they were last told.
 /// - An eighth of the places, and all that are left, go to everybody in turn, near or far: with n
-///   in the room and k places in a tick nobody is forgotten for longer than 10 s and 8 n / k ticks.
+///   in the room and k places in a frame nobody is forgotten for longer than 10 s and 8 n / k
+///   frames.
+/// - Listeners of successive numbers have their frames in successive ticks.
 ///
 /// The cost for one listener is bounded by `max_neighbours`, whatever the size of the crowd. Pure:
 /// the same calls give the same choices. Thread-compatible.
@@ -53,6 +55,7 @@ class PoseRelay {
     };
 
     DeviceNumber number_;
+    std::optional<std::uint32_t> frame_;  // that it was told last
     Eigen::Vector3d gaze_in_map_ = Eigen::Vector3d::Zero();
     std::vector<Told> told_;        // by slot
     Slot turn_ = 0;                 // whose turn it is next
@@ -64,12 +67,14 @@ class PoseRelay {
 
   /// What is told of a tick; poses of another epoch than before replace all that were known.
   void Hear(std::uint64_t epoch, std::span<const SharedPose> poses, ServerTime now);
-  /// Those of which nothing was heard for 2 s are gone; the rest is ready to be chosen from.
-  void FinishHearing();
+  /// Those of which nothing was heard for 2 s are gone; the rest is ready to be chosen from. `tick`
+  /// is of what was heard; some may be missing.
+  void FinishHearing(std::uint32_t tick);
   /// Forgets all poses: those to come are of another run, where numbers mean others.
   void Clear();
 
-  /// What this listener is told now; valid until the next call. Counts as told.
+  /// What this listener is told now, nothing in a tick of others; valid until the next call. Counts
+  /// as told.
   std::span<const Slot> Choose(Listener& listener);
   /// By slot; those of who is gone are there too.
   std::span<const SharedPose> poses() const { return poses_; }
@@ -99,6 +104,7 @@ class PoseRelay {
     Eigen::Vector3d gaze;
   };
 
+  std::uint32_t FrameOf(const Listener& listener) const;
   std::optional<Viewpoint> ViewpointOf(const Listener& listener) const;
   Candidate Weigh(Slot slot, const std::optional<Viewpoint>& viewpoint,
                   const Listener& listener) const;
@@ -122,7 +128,7 @@ class PoseRelay {
   std::vector<Slot> free_;
   std::unordered_map<DeviceNumber, Slot> slots_;
   PoseGrid grid_;
-  std::uint32_t ticks_ = 0;
+  std::uint32_t tick_ = 0;
   std::uint64_t looks_ = 0;
   std::vector<Candidate> candidates_;  // of the present choice
   std::vector<Slot> chosen_;

@@ -22,7 +22,7 @@ struct RoomMember {
   DeviceNumber number{};
   ServerTime last_heard;
   std::optional<LivePose> pose;
-  bool pose_is_new = false;
+  bool pose_is_due = false;
   std::deque<SubmapId> found_in = {};  ///< by its latest images, newest first
   ServerTime pose_published;
   std::set<Uuid> under_way;           ///< commands that wait for the store
@@ -49,8 +49,10 @@ struct Room {
   bool is_open = false;                       ///< false: its anchors are being read
   std::vector<event::HelloReceived> waiting;  ///< while not open
   std::set<DeviceId> members;
-  std::set<DeviceId> away;     ///< silent for a while; their seats are kept
-  std::uint32_t capacity = 0;  ///< devices that it holds; set when it is opened
+  std::vector<DeviceId> poses_due;  ///< some of them may have left since
+  std::uint32_t poses_told = 0;     ///< in which tick
+  std::set<DeviceId> away;          ///< silent for a while; their seats are kept
+  std::uint32_t capacity = 0;       ///< devices that it holds; set when it is opened
   std::map<AnchorId, RoomAnchor> anchors;
   std::uint64_t revision = 0;
   std::uint64_t digest = 0;

@@ -78,7 +78,7 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
         .number = DeviceNumber{next_number_++},
         .last_heard = step.now,
         .pose = std::nullopt,
-        .pose_is_new = false,
+        .pose_is_due = false,
         .pose_published = {},
         .under_way = {},
         .answered = {},
@@ -191,7 +191,7 @@ RoomMember SessionState::Unseat(const DeviceId& device, Step& step) {
 void SessionState::SetAway(const DeviceId& device, Step& step) {
   RoomMember member = Unseat(device, step);
   member.pose.reset();
-  member.pose_is_new = false;
+  member.pose_is_due = false;
   rooms_.at(member.room).away.insert(device);
   away_.insert_or_assign(device, AwayMember{std::move(member), step.now});
 }

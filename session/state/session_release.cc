@@ -39,7 +39,7 @@ void SessionState::On(const event::ReleaseSwapped& event, Step& step) {
   }
   for (auto& [device, member] : members_) {
     member.pose.reset();  // it was in the other frame; the next comes at once
-    member.pose_is_new = false;
+    member.pose_is_due = false;
   }
   step.effects.push_back(report);
 }

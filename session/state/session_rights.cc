@@ -57,7 +57,7 @@ void SessionState::Renew(RoomMember& member, const event::HelloReceived& event, 
   if (member.role() == before) return;
   if (!MaySharePose(member.role())) {
     member.pose.reset();
-    member.pose_is_new = false;
+    member.pose_is_due = false;
   }
   Announce(member, step);
 }

@@ -2,7 +2,15 @@
 // Who is still there and where; joining is in session_joining.cc, commands in session_commands.cc.
 #include "session/state/session_state.h"
 
+#include <utility>
+
 namespace waymark::session {
+namespace {
+
+constexpr std::size_t kMembersOfCrowd = 64;  // to whom frames at once would take a millisecond
+constexpr std::chrono::milliseconds kLooksAroundEvery{25};
+
+}  // namespace
 
 Result<void> StateOptions::Validate() const {
   if (presence_timeout < std::chrono::milliseconds(100)) {
@@ -56,16 +64,26 @@ void SessionState::On(const event::PoseReceived& event, Step& step) {
                         member->pose->time > step.now + options_.max_clock_error;
   if (!is_plausible || !is_newer) return;
   member->pose = pose;
-  member->pose_is_new = true;
+  WantPublished(*member);
 }
 
 void SessionState::On(const event::Ticked&, Step& step) {
   ++tick_;
+  const bool is_clock_set_back = step.now < looked_around_;
+  if (step.now - looked_around_ >= kLooksAroundEvery || is_clock_set_back) LookAround(step);
+  for (auto& [id, room] : rooms_) PublishPoses(id, room, step);
+}
+
+void SessionState::LookAround(Step& step) {
+  looked_around_ = step.now;
   RemoveSilent(step);
   EndPermits(step);
   ForgetAbsent(step);
   CloseIdleRooms(step);
-  for (const auto& [id, room] : rooms_) PublishPoses(id, room, step);
+  for (auto& [device, member] : members_) {
+    const bool is_told_long_ago = step.now - member.pose_published > options_.pose_repeat;
+    if (member.pose && is_told_long_ago) WantPublished(member);
+  }
 }
 
 void SessionState::CloseIdleRooms(Step& step) {
@@ -80,18 +98,25 @@ void SessionState::CloseIdleRooms(Step& step) {
 
 // A pose goes out once when it is new, and again now and then in case it was lost or somebody
 // joined since.
-void SessionState::PublishPoses(const RoomId& id, const Room& room, Step& step) {
+void SessionState::WantPublished(RoomMember& member) {
+  if (std::exchange(member.pose_is_due, true)) return;
+  rooms_.at(member.room).poses_due.push_back(member.device);
+}
+
+// Where many listen at every tick, elsewhere once in the period of a frame.
+void SessionState::PublishPoses(const RoomId& id, Room& room, Step& step) {
+  const bool is_crowd = room.members.size() > kMembersOfCrowd;
+  if (!is_crowd && tick_ - room.poses_told < kTicksPerFrame) return;
   std::vector<SharedPose> poses;
-  for (const DeviceId& device : room.members) {
-    RoomMember& member = members_.at(device);
-    const bool is_due = member.pose_is_new ||
-                        (member.pose && step.now - member.pose_published > options_.pose_repeat);
-    if (!is_due) continue;
-    poses.push_back({member.number, *member.pose});
-    member.pose_is_new = false;
-    member.pose_published = step.now;
+  for (const DeviceId& device : std::exchange(room.poses_due, {})) {
+    const auto member = members_.find(device);
+    // It may have left, or come back without a pose, since.
+    if (member == members_.end() || !std::exchange(member->second.pose_is_due, false)) continue;
+    poses.push_back({member->second.number, *member->second.pose});
+    member->second.pose_published = step.now;
   }
   if (poses.empty()) return;
+  room.poses_told = tick_;
   step.effects.push_back(effect::PublishPoses{
       .room = id, .run = run_, .tick = tick_, .epoch = map_.epoch, .poses = std::move(poses)});
 }

@@ -98,12 +98,14 @@ class SessionState {
   CommandVerdict Moderate(const RoomCommand& command, RoomMember& member, Step& step);
   CommandVerdict RemoveByModerator(const RoomCommand& command, const RoomMember& moderator,
                                    Step& step);
+  void LookAround(Step& step);
   void RemoveSilent(Step& step);
   void EndPermits(Step& step);
   void ForgetAbsent(Step& step);
   RoomMember* FindKnown(const DeviceId& device);
   void CloseIdleRooms(Step& step);
-  void PublishPoses(const RoomId& id, const Room& room, Step& step);
+  void WantPublished(RoomMember& member);
+  void PublishPoses(const RoomId& id, Room& room, Step& step);
   void PublishState(const RoomId& id, const Room& room, Step& step);
   void PublishMap(const RoomId& id, const Room& room, Step& step);
   bool Follow(Room& room, const content::AnchorChange& change, Step& step);
@@ -138,7 +140,8 @@ class SessionState {
   std::map<WriteNumber, PendingWrite> writes_;
   std::uint32_t next_number_ = 1;
   std::uint64_t next_write_ = 1;
-  std::uint32_t tick_ = 0;
+  std::uint32_t tick_ = kTicksPerFrame;
+  ServerTime looked_around_ = {};
 };
 
 }  // namespace waymark::session

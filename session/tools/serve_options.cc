@@ -50,7 +50,7 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
       ->capture_default_str();
   app.add_option("--address", arguments.server.address, "Address of the interface to serve on")
       ->capture_default_str();
-  app.add_option("--tick", arguments.server.tick_hz, "Pose batches per second")
+  app.add_option("--frame-rate", arguments.server.frame_hz, "Pose batches per second to each phone")
       ->capture_default_str();
   app.add_option("--threads", arguments.server.localise.threads, "Images localised at once")
       ->capture_default_str();

@@ -98,7 +98,7 @@ TEST_F(Absence, AClockThatJumpsCostsAtMostAReturn) {
       EXPECT_EQ(Answer().verdict, JoinVerdict::kAccepted);
       Pose(letter, 2);
     }
-    Play(event::Ticked{});
+    (void)TickUntilPosesAreTold();
     EXPECT_THAT(Only<effect::PublishPoses>().poses, SizeIs(2));
     EXPECT_EQ(state_.MemberCount(), 2u);
     // Silence is noticed as ever.

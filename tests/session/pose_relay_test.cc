@@ -41,7 +41,7 @@ class Crowd {
       pose.pose.map_from_device = {Eigen::Quaterniond::Identity(), position};
     }
     relay.Hear(1, poses_, now_);
-    relay.FinishHearing();
+    relay.FinishHearing(tick_ += kTicksPerFrame);
   }
 
   SharedPose& operator[](std::uint32_t number) { return poses_[number - 1]; }
@@ -56,6 +56,7 @@ class Crowd {
  private:
   std::vector<SharedPose> poses_;
   ServerTime now_{std::chrono::hours(1)};
+  std::uint32_t tick_ = 0;
 };
 
 std::vector<std::uint32_t> Numbers(const PoseRelay& relay, std::span<const PoseRelay::Slot> slots) {
@@ -80,6 +81,31 @@ TEST(PoseRelay, AFewAreToldOfEachOtherEveryTick) {
     EXPECT_THAT(told, testing::UnorderedElementsAre(1, 2, 4, 5, 6, 7, 8, 9, 10));
   }
   EXPECT_THAT(relay.Choose(listener), testing::IsEmpty()) << "nothing is told twice";
+}
+
+TEST(PoseRelay, ACrowdsFramesAreSpreadOverTheTicks) {
+  PoseRelay relay({});
+  Crowd crowd(100, 10);
+  std::vector<PoseRelay::Listener> listeners;
+  for (std::uint32_t number = 1; number <= 100; ++number)
+    listeners.emplace_back(DeviceNumber{number});
+  std::map<std::uint32_t, int> frames;  // of each listener
+  const auto play = [&](std::uint32_t tick) {
+    crowd.Step(relay);
+    relay.FinishHearing(tick);
+    int told = 0;
+    for (PoseRelay::Listener& listener : listeners) {
+      if (relay.Choose(listener).empty()) continue;
+      ++told;
+      ++frames[static_cast<std::uint32_t>(listener.number())];
+    }
+    return told;
+  };
+  EXPECT_EQ(play(99), 100) << "who was never told anything does not wait";
+  std::uint32_t tick = 100;
+  for (; tick < 140; ++tick) EXPECT_EQ(play(tick), 25) << tick;
+  for (const auto& [number, count] : frames) EXPECT_EQ(count, 11) << number;
+  EXPECT_EQ(play(tick + 1), 50) << "a tick was lost: those whose it was are told in the next";
 }
 
 TEST(PoseRelay, TheBudgetIsNeverExceeded) {
@@ -217,12 +243,12 @@ TEST(PoseRelay, WhoIsGoneIsToldNoMore) {
   crowd.Step(relay);
   const std::vector<SharedPose> left{crowd[1], crowd[2]};
   relay.Hear(1, left, crowd.now() + milliseconds(2500));
-  relay.FinishHearing();
+  relay.FinishHearing(100);
   PoseRelay::Listener listener(DeviceNumber{1});
   EXPECT_THAT(Numbers(relay, relay.Choose(listener)), testing::ElementsAre(2));
   // In another epoch nobody stands where he stood.
   relay.Hear(2, std::vector<SharedPose>{crowd[1], crowd[3]}, crowd.now() + milliseconds(2600));
-  relay.FinishHearing();
+  relay.FinishHearing(104);
   PoseRelay::Listener other(DeviceNumber{1});
   EXPECT_THAT(Numbers(relay, relay.Choose(other)), testing::ElementsAre(3));
 }

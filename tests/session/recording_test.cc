@@ -52,6 +52,8 @@ class Recording : public support::StateScript {
     recorder_->Write(event, now_, effects_);
   }
   /// Two devices, an anchor of theirs, poses.
+  static constexpr std::uint64_t kEvents = 68 + 20 * kTicksPerFrame;
+
   void RecordAnEvening() {
     for (const char letter : {'A', 'B'}) {
       Record(event::HelloReceived{{.device = Device(letter),
@@ -78,7 +80,7 @@ class Recording : public support::StateScript {
         Record(event::PoseReceived{{.ticket = TicketOf(letter), .pose = MakePose(i / 7.0, 2)}});
       }
       Record(event::Heard{Ticket{123456}});  // nobody's
-      Record(event::Ticked{});
+      for (std::uint32_t tick = 0; tick < kTicksPerFrame; ++tick) Record(event::Ticked{});
     }
     Record(event::RoomLoaded{RoomId("gone"), MakeError(ErrorCode::kUnavailable, "disk"), {}});
     Record(event::DeviceLeft{Device('A')});
@@ -99,8 +101,8 @@ TEST_F(Recording, IsLivedAgainToTheBit) {
   ASSERT_TRUE(report.ok()) << ToString(report.error());
   EXPECT_FALSE(report->divergence.has_value())
       << report->divergence->event << " " << report->divergence->kind;
-  EXPECT_EQ(report->events, 88u);
-  EXPECT_THAT(report->by_kind, Contains(testing::Pair("Ticked", 20)));
+  EXPECT_EQ(report->events, kEvents);
+  EXPECT_THAT(report->by_kind, Contains(testing::Pair("Ticked", 20 * kTicksPerFrame)));
   EXPECT_NEAR(report->duration_s, 0.66, 1e-9);
   EXPECT_EQ(report->cut_off, 0u);
 }
@@ -126,7 +128,7 @@ TEST_F(Recording, ADifferenceIsNamed) {
   const auto report = ReplayFile(File());
   ASSERT_TRUE(report.ok());
   ASSERT_TRUE(report->divergence.has_value());
-  EXPECT_EQ(report->divergence->event, 90u);
+  EXPECT_EQ(report->divergence->event, kEvents + 2);
   EXPECT_EQ(report->divergence->kind, "Ticked");
 }
 
@@ -143,7 +145,7 @@ TEST_F(Recording, OpensToTheLastWholeEventWhereverItIsCut) {
     EXPECT_GE(report->events, last);
     last = report->events;
   }
-  EXPECT_EQ(last, 88u);
+  EXPECT_EQ(last, kEvents);
   EXPECT_FALSE(RecordingReader::FromBytes({bytes.begin(), bytes.begin() + 20}).ok());
 }
 
@@ -156,7 +158,7 @@ TEST_F(Recording, DamageIsNamed) {
   const auto report = Replay(*reader);
   ASSERT_FALSE(report.ok());
   EXPECT_EQ(report.error().code, ErrorCode::kCorrupt);
-  EXPECT_THAT(report.error().message, HasSubstr("event 88"));
+  EXPECT_THAT(report.error().message, HasSubstr(fmt::format("event {}", kEvents)));
   bytes[12] = 9;  // the version
   EXPECT_EQ(RecordingReader::FromBytes(bytes).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(RecordingReader::FromBytes({1, 2, 3}).error().code, ErrorCode::kCorrupt);

@@ -49,6 +49,16 @@ class StateScript : public testing::Test {
   void Pose(char letter, double x, std::uint64_t epoch = 1) {
     Play(event::PoseReceived{{.ticket = TicketOf(letter), .pose = MakePose(x, epoch)}});
   }
+  /// How many ticks it took, of the few in the period of a frame.
+  std::uint32_t TickUntilPosesAreTold() {
+    std::uint32_t ticks = 0;
+    do {
+      Wait(std::chrono::milliseconds(8));
+      Play(event::Ticked{});
+      ++ticks;
+    } while (None<effect::PublishPoses>() && ticks < kTicksPerFrame);
+    return ticks;
+  }
   LivePose MakePose(double x, std::uint64_t epoch = 1) const {
     return {.epoch = epoch,
             .time = now_,

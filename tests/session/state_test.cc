@@ -143,8 +143,21 @@ TEST_F(State, NewPosesGoOutOnceAndAgainNowAndThen) {
   Play(event::Ticked{});
   EXPECT_TRUE(None<effect::PublishPoses>());
   Wait(milliseconds(500));
-  Play(event::Ticked{});
+  (void)TickUntilPosesAreTold();
   EXPECT_THAT(Only<effect::PublishPoses>().poses, SizeIs(1));
+}
+
+TEST_F(State, PosesWaitForTheFrameUnlessACrowdListens) {
+  const auto ticks_until_told = [this] {
+    Pose('A', 3);
+    return TickUntilPosesAreTold();
+  };
+  OpenWith("AB");
+  (void)ticks_until_told();
+  EXPECT_EQ(ticks_until_told(), kTicksPerFrame);
+  for (char letter = 1; letter < 64; ++letter) Hello(letter);
+  (void)ticks_until_told();
+  EXPECT_EQ(ticks_until_told(), 1u);
 }
 
 TEST_F(State, PosesOfAnotherEpochAnotherTimeOrOutOfOrderAreNotShared) {

@@ -92,7 +92,7 @@ void Observe(const Child& server, const Child* gateway, const Walk& walk, Row& r
   row.generator_cores = (OwnCpuS() - own_s) / wall_s;
   row.server_mib = server.MemoryMib();
   row.gateway_mib = gateway ? gateway->MemoryMib() : 0;
-  Summarise(walked, session::ServerOptions().tick_hz, row);
+  Summarise(walked, session::ServerOptions().frame_hz, row);
 }
 
 /// So near that everybody is told of everybody at every tick.

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <set>
 
 #include "mapping/base/quantile.h"
 
@@ -36,31 +35,26 @@ std::map<std::string, std::vector<Row>> ByLayout(const std::vector<Row>& rows) {
 
 namespace {
 
-/// Which part of the frames that were due came: of every tick between the first and the last that
-/// anybody heard of, those two apart, for they were heard in part.
-double ShareOfFrames(const std::vector<Heard>& heard, double tick_hz) {
-  std::map<std::uint32_t, ServerTime> ticks;
+/// Which part of the frames that were due came, by the server's clock: one to everybody in every
+/// period between the first and the last that anybody heard of, those two apart.
+double ShareOfFrames(const std::vector<Heard>& heard, double frame_hz) {
+  std::vector<double> sent_s;
   for (const Heard& phone : heard) {
-    for (std::size_t i = 0; i < phone.ticks.size(); ++i) {
-      ticks.try_emplace(phone.ticks[i], phone.sent[i]);
-    }
+    for (const ServerTime sent : phone.sent) sent_s.push_back(Seconds(sent.time_since_epoch()));
   }
-  if (ticks.size() < 3) return NAN;
-  const auto first = *ticks.begin(), last = *ticks.rbegin();
-  double came = 0;
-  for (const Heard& phone : heard) {
-    std::set<std::uint32_t> between(phone.ticks.begin(), phone.ticks.end());
-    between.erase(first.first);
-    between.erase(last.first);
-    came += static_cast<double>(between.size());
-  }
-  const double due = std::round(Seconds(last.second - first.second) * tick_hz) - 1;
-  return came / static_cast<double>(heard.size()) / due;
+  if (sent_s.empty()) return NAN;
+  const auto [first, last] = std::ranges::minmax(sent_s);
+  const double begin_s = first + 1 / frame_hz;
+  const double due = std::floor((last - begin_s) * frame_hz - 1);
+  const double end_s = begin_s + due / frame_hz;
+  const auto came = std::ranges::count_if(
+      sent_s, [&](double time_s) { return begin_s <= time_s && time_s < end_s; });
+  return due < 1 ? NAN : static_cast<double>(came) / static_cast<double>(heard.size()) / due;
 }
 
 }  // namespace
 
-void Summarise(const Walked& walked, double tick_hz, Row& row) {
+void Summarise(const Walked& walked, double frame_hz, Row& row) {
   std::vector<float> ages_ms, legs_ms;
   double bytes = 0, poses = 0;
   for (const Heard& phone : walked.heard) {
@@ -70,7 +64,7 @@ void Summarise(const Walked& walked, double tick_hz, Row& row) {
     legs_ms.insert(legs_ms.end(), phone.legs_ms.begin(), phone.legs_ms.end());
   }
   const auto count = static_cast<double>(walked.heard.size());
-  row.delivered = ShareOfFrames(walked.heard, tick_hz);
+  row.delivered = ShareOfFrames(walked.heard, frame_hz);
   row.bytes_per_s = bytes / count / walked.seconds;
   row.poses_per_s = poses / count / walked.seconds;
   row.age_p50_ms = Quantile(ages_ms, 0.5, NAN);

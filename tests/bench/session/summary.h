@@ -22,9 +22,9 @@ struct Row {
 };
 
 /// Fills in what the phones heard. Everybody walks with three others who report between any two
-/// ticks, so a frame is due to every phone at every tick, also at one that the server was too busy
+/// frames, so one is due to every phone in every period, also in one that the server was too busy
 /// for.
-void Summarise(const Walked& walked, double tick_hz, Row& row);
+void Summarise(const Walked& walked, double frame_hz, Row& row);
 
 void PrintHead();
 void Print(const Row& row);

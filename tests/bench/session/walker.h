@@ -51,10 +51,9 @@ class Walker {
 
 /// What one phone of a crowd has heard while it was counted.
 struct Heard {
-  std::vector<std::uint32_t> ticks;  ///< of which a pose batch came, in the order of coming
-  std::vector<ServerTime> sent;      ///< each of those batches
-  std::vector<float> ages_ms;        ///< from one phone's report to another's hearing of it
-  std::vector<float> legs_ms;        ///< from the server's tick to hearing of it
+  std::vector<ServerTime> sent;  ///< each pose batch that came, in the order of coming
+  std::vector<float> ages_ms;    ///< from one phone's report to another's hearing of it
+  std::vector<float> legs_ms;    ///< from the server's tick to hearing of it
   std::uint64_t poses = 0;
   std::uint64_t bytes = 0;  ///< of all messages
 };
@@ -68,14 +67,13 @@ struct Walked {
 /// Counts a batch; of the ages every eighth batch, which is plenty.
 inline void Count(Heard& heard, const session::PoseBatch& batch) {
   const ServerTime now = Now();
-  heard.ticks.push_back(batch.tick);
   heard.sent.push_back(batch.time);
   heard.poses += batch.poses.size();
   const auto ms_since = [&](ServerTime time) {
     return static_cast<float>(1e3 * Seconds(now - time));
   };
   heard.legs_ms.push_back(ms_since(batch.time));
-  if (heard.ticks.size() % 8 != 1) return;
+  if (heard.sent.size() % 8 != 1) return;
   for (const session::SharedPose& shared : batch.poses) {
     heard.ages_ms.push_back(ms_since(shared.pose.time));
   }
