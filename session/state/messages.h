@@ -17,6 +17,7 @@
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
+#include "session/state/poses.h"
 #include "session/state/role.h"
 #include "session/state/uuid.h"
 
@@ -34,17 +35,9 @@ inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
-inline constexpr std::size_t kMaxPosesPerBatch = 52;     ///< 52 * 24 octets fit one fragment
 inline constexpr std::size_t kMaxPerGatewayReport = 64;  ///< poses, pings, pongs
-/// A listener is told of others once in so many ticks, each in ticks of its own: so the frames of a
-/// crowd are spread over the period instead of waiting for each other.
-inline constexpr std::uint32_t kTicksPerFrame = 4;
-inline constexpr double kMaxSpeed_mps = 32;  ///< of a shared pose; faster ones are cut
 inline constexpr double kMaxCoordinate_m = 1e6;
 
-enum class RunId : std::uint64_t {};          ///< one life of a server process
-enum class Ticket : std::uint64_t {};         ///< a device's name in what it says to the server
-enum class DeviceNumber : std::uint32_t {};   ///< a device's name in pose batches of one run
 enum class RequestNumber : std::uint32_t {};  ///< of a localisation, counted by the device
 
 // ---- joining ----------------------------------------------------------------------------------
@@ -101,39 +94,6 @@ struct RoomCommand {
   DeviceId device{FormatUuid({})};  ///< remove, readmit
   std::uint32_t capacity = 0;       ///< set capacity
   std::string reason = {};          ///< remove: told to the device
-};
-
-// ---- live poses -------------------------------------------------------------------------------
-
-struct LivePose {
-  std::uint64_t epoch = 1;
-  ServerTime time;
-  Transform<Map, Device> map_from_device;
-  double sigma_m = 0;                                         ///< of the position
-  Eigen::Vector3d velocity_in_map = Eigen::Vector3d::Zero();  ///< m/s
-  /// Where the camera looks, a unit vector; zero when not known. Others are not told.
-  Eigen::Vector3d gaze_in_map = Eigen::Vector3d::Zero();
-};
-
-struct PoseReport {
-  Ticket ticket{};
-  LivePose pose;
-};
-
-struct SharedPose {
-  DeviceNumber number{};
-  LivePose pose;
-};
-
-/// Poses of one epoch.
-struct PoseBatch {
-  std::uint32_t chunk = 0;
-  std::uint32_t chunks = 1;  ///< of this tick, > chunk
-  std::uint32_t tick = 0;
-  std::uint64_t epoch = 1;
-  RunId run{};
-  ServerTime time = {};  ///< when it was sent
-  std::vector<SharedPose> poses;
 };
 
 // ---- localisation -----------------------------------------------------------------------------

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a crowd costs: server, gateway and phones in three processes on this machine.
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <thread>
 
 #include "mapping/base/quantile.h"
+#include "session/server/server.h"
 #include "tests/bench/session/apps.h"
 #include "tests/bench/session/bus_crowd.h"
 #include "tests/bench/session/child.h"
@@ -17,10 +17,8 @@
 #include "tests/bench/session/crowd.h"
 #include "tests/bench/session/discovery.h"
 #include "tests/bench/session/peers/peers.h"
-#include "tests/bench/session/peers/web_socket_fan_out.h"
+#include "tests/bench/session/processes.h"
 #include "tests/bench/session/summary.h"
-#include "tests/session/session_fixture.h"
-#include "tests/support/memory_anchor_store.h"
 
 namespace waymark::bench {
 namespace {
@@ -39,41 +37,6 @@ struct Flags {
   int anchors = 200;
   std::string csv, plot;
 };
-
-/// SIGTERM ends it as it ends any process.
-int StayUntilTold() {
-  while (true) ::pause();
-}
-
-int RunServer() {
-  session::ServerOptions options{.dds_domain = -1};
-  const auto server = session::support::StartOnFreeDomain(options, [&] {
-    return session::support::MakeParts(session::support::MakeRelease(),
-                                       std::make_unique<waymark::support::MemoryAnchorStore>());
-  });
-  if (!server) return 1;
-  fmt::print("{}\n", options.dds_domain);
-  std::fflush(stdout);
-  return StayUntilTold();
-}
-
-int RunGateway(int domain) {
-  const auto gateway =
-      session::Gateway::Start({.dds = {.domain = domain}, .max_joins_per_s = 1000});
-  if (!gateway) return 1;
-  fmt::print("{}\n", (*gateway)->port());
-  std::fflush(stdout);
-  return StayUntilTold();
-}
-
-int RunFanOut() {
-  FanOut fan_out;
-  const auto port = fan_out.Listen();
-  if (!port) return 1;
-  fmt::print("{}\n", *port);
-  std::fflush(stdout);
-  return StayUntilTold();
-}
 
 std::uint16_t PortOf(const Child& gateway) {
   return static_cast<std::uint16_t>(std::stoi(gateway.line()));

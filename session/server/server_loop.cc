@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/server/internal/server_loop.h"
+
+#include <random>
+#include <utility>
+
+#include "session/server/attachments.h"
+
+namespace waymark::session {
+namespace {
+
+constexpr std::size_t kMaxWaitingMessages = 16'384;
+constexpr std::size_t kMaxWaitingBytes = 128 * 1024 * 1024;
+constexpr std::chrono::seconds kDoorInterval{1};
+
+ServerTime Now() {
+  return ServerTime(std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::chrono::steady_clock::now().time_since_epoch()));
+}
+
+keys::WallTime WallNow() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+std::uint64_t RandomBits() {
+  std::random_device device;
+  return std::uint64_t{device()} << 32 | device();
+}
+
+std::size_t WeightOf(const wire::Upward& message) {
+  if (const auto* query = std::get_if<LocaliseQuery>(&message)) return query->image.size();
+  if (const auto* command = std::get_if<AnchorCommand>(&message)) return command->payload.size();
+  return 0;
+}
+
+}  // namespace
+
+Server::Loop::Loop(const ServerOptions& options, ServerParts parts)
+    : tick_(std::chrono::duration_cast<std::chrono::nanoseconds>(
+          std::chrono::duration<double>(1 / (options.frame_hz * kTicksPerFrame)))),
+      run_(RunId{RandomBits()}),
+      inbox_(kMaxWaitingMessages, kMaxWaitingBytes),
+      begin_{.options = options.state,
+             .run = run_,
+             .map = {.map = parts.map.id,
+                     .is_geo_aligned = parts.map.is_geo_aligned,
+                     .origin = parts.map.origin,
+                     .epoch = parts.served.release.epoch},
+             .placements = std::make_shared<const Placements>(PlacementsOf(parts.served.release)),
+             .started_utc_ms = WallNow().time_since_epoch().count() * 1000},
+      state_(begin_.options, run_, begin_.map, begin_.placements),
+      store_(std::move(parts.store), parts.served.release, parts.map.origin,
+             std::move(parts.load_release),
+             [this](Event event) {
+               inbox_.Push({Now(), std::move(event)});
+             }),
+      pool_(options.localise, std::move(parts.served.localise),
+            [this](LocaliseAnswer answer) {
+              inbox_.Push({Now(), std::move(answer)});
+            }),
+      open_role_(options.open_role),
+      door_(std::move(parts.door)) {}
+
+Result<void> Server::Loop::Start(const ServerOptions& options) {
+  if (!options.recording_file.empty()) {
+    WAYMARK_TRY_ASSIGN(recorder_, recording::Recorder::Create(options.recording_file, begin_));
+  }
+  WAYMARK_TRY_ASSIGN(
+      bus_, wire::ServerBus::Create(
+                options.BusOptions(), [this](wire::Upward message) { Receive(std::move(message)); },
+                [this](GatewayReport report) { Receive(std::move(report)); }));
+  publisher_.emplace(*bus_, options.relay, counters_, Now);
+  thread_ = std::thread([this] { Work(); });
+  return {};
+}
+
+void Server::Loop::Swap(ServedRelease served) { inbox_.Push({Now(), std::move(served)}); }
+
+ServerCounters Server::Loop::Stop() {
+  if (thread_.joinable()) {
+    is_stopping_ = true;
+    inbox_.Close();
+    thread_.join();
+    // What the store was asked to write is durable before we go, and who asked hears it.
+    store_.Finish();
+    for (Item& item : inbox_.TakeAll({})) {
+      if (std::holds_alternative<Event>(item.content)) Handle(item);
+    }
+    counters_.rejected_messages = bus_->RejectedMessages();
+    counters_.dropped_messages = inbox_.DroppedItems();
+    bus_.reset();
+    recorder_.reset();
+  }
+  return counters_;
+}
+
+// Called on DDS threads.
+void Server::Loop::Receive(wire::Upward message) {
+  const std::size_t weight = WeightOf(message);
+  inbox_.TryPush({Now(), std::move(message)}, weight);
+}
+
+// Poses are told at the next tick, and a ping's answer says how long it waited.
+void Server::Loop::Receive(GatewayReport report) {
+  const std::size_t weight = report.poses.size() * sizeof(PoseReport);
+  inbox_.TryPush({Now(), std::move(report)}, weight, Inbox<Item>::Urgency::kCanWait);
+}
+
+void Server::Loop::Work() {
+  using std::chrono::steady_clock;
+  steady_clock::time_point next_tick = steady_clock::now() + tick_;
+  while (!is_stopping_) {
+    for (Item& item : inbox_.TakeAll(next_tick)) Handle(item);
+    if (steady_clock::now() < next_tick) continue;
+    Apply(event::Ticked{});
+    publisher_->Tend(Now());
+    LookAtDoor();
+    // Late ticks are made up for, but do not pile up beyond a frame.
+    next_tick = std::max(next_tick + tick_, steady_clock::now() - (kTicksPerFrame - 1) * tick_);
+  }
+}
+
+void Server::Loop::Handle(Item& item) {
+  std::visit(
+      [&](auto& content) {
+        using Content = std::remove_cvref_t<decltype(content)>;
+        if constexpr (std::is_same_v<Content, wire::Upward>) {
+          std::visit([&](auto& message) { On(std::move(message), item.arrived); }, content);
+        } else if constexpr (std::is_same_v<Content, GatewayReport>) {
+          On(content, item.arrived);
+        } else if constexpr (std::is_same_v<Content, Event>) {
+          Apply(content);
+        } else if constexpr (std::is_same_v<Content, LocaliseAnswer>) {
+          Deliver(content);
+        } else {
+          GoOver(std::move(content));
+        }
+      },
+      item.content);
+}
+
+void Server::Loop::On(Hello hello, ServerTime) {
+  event::Permit permit{.role = open_role_};
+  if (door_) permit = door_->Check(hello, WallNow(), Now());
+  hello.token.clear();
+  Apply(event::HelloReceived{std::move(hello), Ticket{RandomBits()}, std::move(permit)});
+}
+
+void Server::Loop::On(wire::Farewell farewell, ServerTime) {
+  Apply(event::DeviceLeft{farewell.device, !farewell.is_lost});
+}
+
+void Server::Loop::On(RoomCommand command, ServerTime) {
+  Apply(event::RoomCommandReceived{std::move(command)});
+}
+
+void Server::Loop::On(PoseReport report, ServerTime) {
+  ++counters_.poses;
+  Apply(event::PoseReceived{report});
+}
+
+void Server::Loop::On(AnchorCommand command, ServerTime) {
+  ++counters_.anchor_commands;
+  Apply(event::CommandReceived{std::move(command)});
+}
+
+void Server::Loop::On(const GatewayReport& report, ServerTime arrived) {
+  for (const PoseReport& pose : report.poses) On(pose, arrived);
+  GatewayPongs pongs{.gateway = report.gateway, .pongs = {}};
+  for (const ClockPing& ping : report.pings) {
+    if (const auto pong = AnswerTo(ping, arrived)) pongs.pongs.push_back(*pong);
+  }
+  if (!pongs.pongs.empty()) (void)bus_->Send(pongs);
+}
+
+void Server::Loop::On(ClockPing ping, ServerTime arrived) {
+  if (const auto pong = AnswerTo(ping, arrived)) (void)bus_->Send(*pong);
+}
+
+/// Nothing for a stranger: silence tells a device to join again.
+std::optional<ClockPong> Server::Loop::AnswerTo(const ClockPing& ping, ServerTime arrived) {
+  Apply(event::Heard{ping.ticket});
+  const RoomMember* const member = state_.FindMember(ping.ticket);
+  if (member == nullptr) return std::nullopt;
+  return ClockPong{.device = member->device,
+                   .sequence_number = ping.sequence_number,
+                   .device_sent = ping.sent,
+                   .received = arrived,
+                   .sent = Now(),
+                   .run = run_};
+}
+
+void Server::Loop::On(LocaliseQuery query, ServerTime) {
+  Apply(event::Heard{query.ticket});
+  const RoomMember* const member = state_.FindMember(query.ticket);
+  if (member == nullptr) return;
+  ++counters_.images;
+  pool_.Submit(member->device, std::move(query));
+}
+
+/// Who was let in and is revoked since goes at once.
+void Server::Loop::LookAtDoor() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!door_ || now - door_seen_ < kDoorInterval) return;
+  door_seen_ = now;
+  if (auto revoked = door_->Refresh()) Apply(*std::move(revoked));
+}
+
+void Server::Loop::GoOver(ServedRelease served) {
+  const std::uint64_t epoch = served.release.epoch;
+  const auto placements = std::make_shared<const Placements>(PlacementsOf(served.release));
+  store_.SetRelease(std::move(served.release));
+  pool_.SetLocalise(std::move(served.localise));
+  Apply(event::ReleaseSwapped{epoch, placements});
+}
+
+void Server::Loop::Deliver(LocaliseAnswer& answer) {
+  if (answer.status == LocaliseStatus::kLocalised) ++counters_.localised;
+  if (answer.pose) Apply(event::Localised{answer.device, answer.pose->submap});
+  if (answer.status == LocaliseStatus::kBusy) ++counters_.busy;
+  answer.sent = Now();
+  (void)bus_->Send(answer);  // a device that left does not hear it
+}
+
+void Server::Loop::Apply(const Event& event) {
+  const ServerTime now = Now();
+  std::vector<Effect> effects = state_.Apply(event, now);
+  if (recorder_) recorder_->Write(event, now, effects);
+  for (Effect& effect : effects) {
+    std::visit([&](auto& wanted) { Do(std::move(wanted), now); }, effect);
+  }
+}
+
+void Server::Loop::Do(effect::LoadRoom wanted, ServerTime) { store_.Submit(std::move(wanted)); }
+
+void Server::Loop::Do(effect::WriteAnchor wanted, ServerTime) {
+  ++counters_.anchor_changes;
+  store_.Submit(std::move(wanted));
+}
+
+}  // namespace waymark::session
