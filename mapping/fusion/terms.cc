@@ -14,6 +14,15 @@ Eigen::Vector3d Apply(const Eigen::Matrix3d& m, const Eigen::Vector3d& v) {
 void AddOuter(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Eigen::Matrix3d& sum) {
   for (int i = 0; i < 3; ++i) sum.col(i) += a * b[i];
 }
+Eigen::Vector4d Apply(const Eigen::Matrix4d& m, const Eigen::Vector4d& v) {
+  return m.col(0) * v[0] + m.col(1) * v[1] + m.col(2) * v[2] + m.col(3) * v[3];
+}
+/// The lower triangle, where the outcome is symmetric.
+void AddLower(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Eigen::Matrix3d& sum) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) sum(j, i) += a[j] * b[i];
+  }
+}
 
 struct Loss {
   double weight;  ///< its derivative
@@ -27,12 +36,51 @@ Loss Huber(double square, double limit) {
   return {limit / residual, 2 * limit * residual - limit * limit};
 }
 
-Loss Evaluate(OverlapLoss loss, double square, double spread) {
-  if (loss == OverlapLoss::kHuber) return Huber(square, 1);
-  // Cauchy at twice the spread, in units of the spread.
-  const double ratio = square / (4 * spread * spread);
-  return {1 / (spread * spread * (1 + ratio)), 4 * std::log1p(ratio)};
+/// What CompareOrientations does to the coefficients of an image's rotation, but for the sign,
+/// which neither the length of the vector part nor its product with w depends on.
+Eigen::Matrix4d ShiftFromImage(const Eigen::Quaterniond& map_from_first,
+                               const Eigen::Quaterniond& map_from_second) {
+  Eigen::Matrix4d shift;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Quaterniond unit(Eigen::Vector4d(Eigen::Vector4d::Unit(i)));
+    shift.col(i) = (map_from_second * unit * map_from_first.conjugate()).coeffs();
+  }
+  return shift;
 }
+
+/// The loss of the images of an overlap.
+class OverlapLosses {
+ public:
+  OverlapLosses(OverlapLoss loss, double spread)
+      : loss_(loss), per_square_(1 / (4 * spread * spread)) {}
+
+  /// Returns the weight of an image, by its squared residual in sigmas.
+  double Add(double square) {
+    if (loss_ == OverlapLoss::kHuber) {
+      const Loss huber = Huber(square, 1);
+      sum_ += huber.value;
+      return huber.weight;
+    }
+    // Cauchy at twice the spread, in units of the spread; a logarithm for all images together.
+    const double growth = 1 + square * per_square_;
+    product_ *= growth;
+    if (product_ > kLargest) {
+      sum_ += 4 * std::log(product_);
+      product_ = 1;
+    }
+    return 4 * per_square_ / growth;
+  }
+
+  double Sum() const { return sum_ + 4 * std::log(product_); }
+
+ private:
+  static constexpr double kLargest = 1e100;
+
+  OverlapLoss loss_;
+  double per_square_;
+  double product_ = 1;
+  double sum_ = 0;
+};
 
 /// Sums over arms a of the first and b of the second submap, from which every block of the
 /// equations follows: the derivative of a displacement a - b after (translation, rotation, scale)
@@ -42,6 +90,18 @@ struct Moments {
   Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = Eigen::Vector3d::Zero();
   Eigen::Matrix3d ab = Eigen::Matrix3d::Zero();
 
+  /// Where only the lower triangle was added up.
+  void Mirror() {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i + 1; j < 3; ++j) ab(i, j) = ab(j, i);
+    }
+  }
+
+  /// The sum of weight * a x b.
+  Eigen::Vector3d Across() const {
+    return {ab(1, 2) - ab(2, 1), ab(2, 0) - ab(0, 2), ab(0, 1) - ab(1, 0)};
+  }
+
   /// The sum of weight * [I, -[a]x, a]^T [I, -[b]x, b].
   Block ToBlock() const {
     Block block;
@@ -50,7 +110,7 @@ struct Moments {
     block.block<3, 1>(0, 6) = b;
     block.block<3, 3>(3, 0) = CrossMatrix(a);
     block.block<3, 3>(3, 3) = ab.trace() * Eigen::Matrix3d::Identity() - ab.transpose();
-    const Eigen::Vector3d across(ab(1, 2) - ab(2, 1), ab(2, 0) - ab(0, 2), ab(0, 1) - ab(1, 0));
+    const Eigen::Vector3d across = Across();
     block.block<3, 1>(3, 6) = across;
     block.block<1, 3>(6, 0) = a.transpose();
     block.block<1, 3>(6, 3) = -across.transpose();
@@ -95,47 +155,46 @@ void Linearise(const OverlapTerm& term, const Place& first, const Place& second,
   const double per_rad2 = 1 / (options.orientation_sigma_rad * options.orientation_sigma_rad);
   const Eigen::Matrix3d map_from_first = first.MapFromArm();
   const Eigen::Matrix3d map_from_second = second.MapFromArm();
+  const Eigen::Matrix4d shift_from_image = ShiftFromImage(first.rotation, second.rotation);
   const Eigen::Vector3d between = first.centroid_in_map - second.centroid_in_map;
   Moments aa, bb, ab;
-  BlockVector& on_first = equations.gradient_first.setZero();
-  BlockVector& on_second = equations.gradient_second.setZero();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero(), pull = Eigen::Vector3d::Zero();
   double turn = 0;
-  equations.cost = 0;
+  OverlapLosses losses(loss, term.spread);
   for (const CommonImage& image : term.images) {
     const Eigen::Vector3d a = Apply(map_from_first, image.arm_in_first);
     const Eigen::Vector3d b = Apply(map_from_second, image.arm_in_second);
     const Eigen::Vector3d shift = between + a - b;
-    const OrientationShift orientation =
-        CompareOrientations(first.rotation, second.rotation, image.second_from_first);
-    const double square =
-        per_m2 * shift.squaredNorm() + per_rad2 * orientation.shift_rad.squaredNorm();
-    const Loss value = Evaluate(loss, square, term.spread);
-    equations.cost += value.value / 2;
-
-    const double weight = value.weight * per_m2;
+    const Eigen::Vector4d rotation = Apply(shift_from_image, image.second_from_first.coeffs());
+    const double loss_weight =
+        losses.Add(per_m2 * shift.squaredNorm() + 4 * per_rad2 * rotation.head<3>().squaredNorm());
+    const double weight = loss_weight * per_m2;
     const Eigen::Vector3d weighted_a = weight * a, weighted_b = weight * b;
     ab.weight += weight;
     ab.a += weighted_a;
     ab.b += weighted_b;
     AddOuter(weighted_a, b, ab.ab);
-    AddOuter(weighted_a, a, aa.ab);
-    AddOuter(weighted_b, b, bb.ab);
-    on_first.head<3>() += weight * shift;
-    on_first.segment<3>(3) += weighted_a.cross(shift);
-    on_first[6] += weighted_a.dot(shift);
-    on_second.segment<3>(3) -= weighted_b.cross(shift);
-    on_second[6] -= weighted_b.dot(shift);
-    // The derivative of the shift is w to the second, -w to the first, plus what is across it and
-    // does not change its length; the matrix takes 1 for w.
-    const Eigen::Vector3d pull = (value.weight * per_rad2 * orientation.w) * orientation.shift_rad;
-    on_first.segment<3>(3) -= pull;
-    on_second.segment<3>(3) += pull;
-    turn += value.weight * per_rad2;
+    AddLower(weighted_a, a, aa.ab);
+    AddLower(weighted_b, b, bb.ab);
+    force += weight * shift;
+    // The derivative of twice the vector part is w to the second, -w to the first, plus what is
+    // across it and does not change its length; the matrix takes 1 for w.
+    pull += (2 * loss_weight * per_rad2 * rotation.w()) * rotation.head<3>();
+    turn += loss_weight * per_rad2;
   }
-  on_second.head<3>() = -on_first.head<3>();
+  equations.cost = losses.Sum() / 2;
+  // The sums over (between + a - b), by arms.
+  const Eigen::Vector3d across = ab.Across();
+  const double dot = ab.ab.trace();
+  equations.gradient_first << force, ab.a.cross(between) - across - pull,
+      ab.a.dot(between) + aa.ab.trace() - dot;
+  equations.gradient_second << -force, across - ab.b.cross(between) + pull,
+      bb.ab.trace() - dot - ab.b.dot(between);
   aa.weight = bb.weight = ab.weight;
   aa.a = aa.b = ab.a;
   bb.a = bb.b = ab.b;
+  aa.Mirror();
+  bb.Mirror();
   equations.first = aa.ToBlock();
   equations.second = bb.ToBlock();
   equations.cross = -ab.ToBlock();
@@ -159,12 +218,13 @@ double AddSubmapTerm(const SubmapTerm& term, const Place& place, const FusionOpt
     const Eigen::Vector3d weighted = weight * arm;
     moments.weight += weight;
     moments.a += weighted;
-    AddOuter(weighted, arm, moments.ab);
+    AddLower(weighted, arm, moments.ab);
     gradient.head<3>() += weight * shift;
     gradient.segment<3>(3) += weighted.cross(shift);
     gradient[6] += weighted.dot(shift);
   }
   moments.b = moments.a;
+  moments.Mirror();
   matrix += moments.ToBlock();
   if (term.gravity_sigma_rad) {
     const double per_rad2 = 1 / (*term.gravity_sigma_rad * *term.gravity_sigma_rad);
