@@ -19,9 +19,6 @@ using internal::RoughVector;
 auto Of(PaddedBlock& padded) {
   return Eigen::Map<Eigen::Matrix<double, 8, 7>>(&padded.at[0][0]).topRows<7>();
 }
-auto Of(const PaddedBlock& padded) {
-  return Eigen::Map<const Eigen::Matrix<double, 8, 7>>(&padded.at[0][0]).topRows<7>();
-}
 auto Of(RoughBlock& rough) {
   return Eigen::Map<Eigen::Matrix<float, 8, 7>>(&rough.at[0][0]).topRows<7>();
 }
@@ -36,7 +33,6 @@ BlockCholesky::BlockCholesky(std::vector<std::uint32_t> order, std::span<const B
     : unknown_at_(std::move(order)),
       position_of_(unknown_at_.size()),
       diagonal_(unknown_at_.size()),
-      inverse_diagonal_(unknown_at_.size()),
       rough_inverse_diagonal_(unknown_at_.size()) {
   for (std::uint32_t i = 0; i < unknown_at_.size(); ++i) position_of_[unknown_at_[i]] = i;
   FindStructure(edges);
@@ -69,6 +65,7 @@ void BlockCholesky::FindStructure(std::span<const BlockEdge> edges) {
     begin_.push_back(static_cast<std::uint32_t>(rows_.size()));
     if (begin_[column] < begin_[column + 1]) children[rows_[begin_[column]]].push_back(column);
   }
+  FindTargets();
   blocks_.resize(rows_.size());
   rough_blocks_.resize(rows_.size());
   for (const BlockEdge& edge : edges) {
@@ -77,6 +74,19 @@ void BlockCholesky::FindStructure(std::span<const BlockEdge> edges) {
     const auto found =
         std::lower_bound(rows_.begin() + begin_[column], rows_.begin() + begin_[column + 1], row);
     slots_.push_back({static_cast<std::uint32_t>(found - rows_.begin()), first < second});
+  }
+}
+
+void BlockCholesky::FindTargets() {
+  for (std::uint32_t j = 0; j < unknown_at_.size(); ++j) {
+    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+      // What is below this row in its column is there in the row's own column, too.
+      std::uint32_t target = begin_[rows_[k]];
+      for (std::uint32_t below = k + 1; below < begin_[j + 1]; ++below, ++target) {
+        while (rows_[target] != rows_[below]) ++target;
+        targets_.push_back(target);
+      }
+    }
   }
 }
 
@@ -96,31 +106,19 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
     if (slots_[k].is_transposed) target = block.transpose();
     if (!slots_[k].is_transposed) target = block;
   }
-  // waiting[j]: the finished columns whose next row is j, as a chain through `next`.
-  std::vector<std::uint32_t> waiting(size, kNone), next(size, kNone);
-  std::vector<std::uint32_t> reached(begin_.begin(), begin_.end() - 1);
-  std::vector<std::uint32_t> slot_of_row(size, kNone);
+  // Right-looking: a column is in the cache when it is finished, and so are those that it changes,
+  // for the columns before it in its part of the map have just changed them.
   const internal::BlockKernels& kernels = internal::ChosenBlockKernels();
-  const auto wait = [&](std::uint32_t column) {
-    if (reached[column] == begin_[column + 1]) return;
-    std::uint32_t& head = waiting[rows_[reached[column]]];
-    next[column] = std::exchange(head, column);
-  };
+  auto targets = targets_.begin();
   for (std::uint32_t j = 0; j < size; ++j) {
-    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) slot_of_row[rows_[k]] = k;
-    for (std::uint32_t c = waiting[j]; c != kNone;) {
-      const std::uint32_t following = next[c];
-      const PaddedBlock& across = blocks_[reached[c]];
-      const std::size_t below = reached[c] + 1, count = begin_[c + 1] - below;
-      kernels.subtract_product(across, across, diagonal_[j]);
-      kernels.subtract_column({blocks_.data() + below, count}, {rows_.data() + below, count},
-                              across, slot_of_row, blocks_.data());
-      ++reached[c];
-      wait(c);
-      c = following;
-    }
     if (!FactorColumn(j)) return false;
-    wait(j);
+    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
+      const std::size_t below = k + 1, count = begin_[j + 1] - below;
+      kernels.subtract_product(blocks_[k], blocks_[k], diagonal_[rows_[k]]);
+      kernels.subtract_column({blocks_.data() + below, count}, blocks_[k],
+                              {targets, targets + count}, blocks_.data());
+      targets += static_cast<std::ptrdiff_t>(count);
+    }
   }
   return true;
 }
@@ -128,8 +126,7 @@ bool BlockCholesky::Factor(const BlockMatrix& matrix, double relative, double ab
 bool BlockCholesky::FactorColumn(std::uint32_t column) {
   const Eigen::LLT<Block> factor(Of(diagonal_[column]));
   if (factor.info() != Eigen::Success) return false;
-  Block& inverse = inverse_diagonal_[column];
-  inverse.setIdentity();
+  Block inverse = Block::Identity();
   factor.matrixL().solveInPlace(inverse);
   Of(rough_inverse_diagonal_[column]) = inverse.cast<float>();
   PaddedBlock across{};
@@ -139,33 +136,13 @@ bool BlockCholesky::FactorColumn(std::uint32_t column) {
     const PaddedBlock block = blocks_[k];
     blocks_[k] = {};
     kernels.subtract_product(block, across, blocks_[k]);
-    Of(rough_blocks_[k]) = Of(blocks_[k]).cast<float>();
   }
+  const std::size_t count = begin_[column + 1] - begin_[column];
+  kernels.round({blocks_.data() + begin_[column], count}, rough_blocks_.data() + begin_[column]);
   return true;
 }
 
 std::vector<BlockVector> BlockCholesky::Solve(std::span<const BlockVector> right) const {
-  const std::size_t size = unknown_at_.size();
-  std::vector<BlockVector> x(size);
-  for (std::size_t j = 0; j < size; ++j) x[j] = right[unknown_at_[j]];
-  for (std::size_t j = 0; j < size; ++j) {
-    x[j] = inverse_diagonal_[j].lazyProduct(x[j]).eval();
-    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
-      x[rows_[k]].noalias() -= Of(blocks_[k]).lazyProduct(x[j]);
-    }
-  }
-  for (std::size_t j = size; j-- > 0;) {
-    for (std::uint32_t k = begin_[j]; k < begin_[j + 1]; ++k) {
-      x[j].noalias() -= Of(blocks_[k]).transpose().lazyProduct(x[rows_[k]]);
-    }
-    x[j] = inverse_diagonal_[j].transpose().lazyProduct(x[j]).eval();
-  }
-  std::vector<BlockVector> solution(size);
-  for (std::size_t j = 0; j < size; ++j) solution[unknown_at_[j]] = x[j];
-  return solution;
-}
-
-std::vector<BlockVector> BlockCholesky::SolveRoughly(std::span<const BlockVector> right) const {
   const std::size_t size = unknown_at_.size();
   const auto column = [&](std::size_t j) {
     return std::pair(std::span(rough_blocks_).subspan(begin_[j], begin_[j + 1] - begin_[j]),

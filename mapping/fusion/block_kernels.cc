@@ -29,11 +29,17 @@ WAYMARK_INLINE void Product(const PaddedBlock& a, const PaddedBlock& b, PaddedBl
   }
 }
 
-WAYMARK_INLINE void Column(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
-                           const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
-                           PaddedBlock* targets) {
-  for (std::size_t i = 0; i < column.size(); ++i) {
-    Product(column[i], across, targets[slot_of_row[rows[i]]]);
+WAYMARK_INLINE void Column(std::span<const PaddedBlock> column, const PaddedBlock& across,
+                           std::span<const std::uint32_t> targets, PaddedBlock* blocks) {
+  for (std::size_t i = 0; i < column.size(); ++i) Product(column[i], across, blocks[targets[i]]);
+}
+
+WAYMARK_INLINE void Round(std::span<const PaddedBlock> blocks, RoughBlock* rounded) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    auto* const to = reinterpret_cast<Rough8*>(rounded[i].at);
+    for (int column = 0; column < kBlockColumns; ++column) {
+      to[column] = __builtin_convertvector(ColumnsOf(blocks[i])[column], Rough8);
+    }
   }
 }
 
@@ -67,10 +73,12 @@ WAYMARK_INLINE void Upwards(std::span<const RoughBlock> column, std::span<const 
   TARGET void Product##NAME(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {   \
     Product(a, b, target);                                                                       \
   }                                                                                              \
-  TARGET void Column##NAME(std::span<const PaddedBlock> column,                                  \
-                           std::span<const std::uint32_t> rows, const PaddedBlock& across,       \
-                           std::span<const std::uint32_t> slot_of_row, PaddedBlock* targets) {   \
-    Column(column, rows, across, slot_of_row, targets);                                          \
+  TARGET void Column##NAME(std::span<const PaddedBlock> column, const PaddedBlock& across,       \
+                           std::span<const std::uint32_t> targets, PaddedBlock* blocks) {        \
+    Column(column, across, targets, blocks);                                                     \
+  }                                                                                              \
+  TARGET void Round##NAME(std::span<const PaddedBlock> blocks, RoughBlock* rounded) {            \
+    Round(blocks, rounded);                                                                      \
   }                                                                                              \
   TARGET void Downwards##NAME(std::span<const RoughBlock> column,                                \
                               std::span<const std::uint32_t> rows, const RoughVector& of_column, \
@@ -82,7 +90,8 @@ WAYMARK_INLINE void Upwards(std::span<const RoughBlock> column, std::span<const 
                             RoughVector& of_column) {                                            \
     Upwards(column, rows, x, of_column);                                                         \
   }                                                                                              \
-  constexpr BlockKernels k##NAME{TEXT, Product##NAME, Column##NAME, Downwards##NAME, Upwards##NAME};
+  constexpr BlockKernels k##NAME{TEXT,        Product##NAME,   Column##NAME,                     \
+                                 Round##NAME, Downwards##NAME, Upwards##NAME};
 
 WAYMARK_KERNELS(Portable, "portable", )
 #if defined(__x86_64__)

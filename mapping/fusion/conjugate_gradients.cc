@@ -40,7 +40,7 @@ GradientsSolution SolveByGradients(const DampedMatrix& matrix, std::span<const B
   std::vector<BlockVector> residual(right.begin(), right.end()), direction;
   double whole = 0, last = 0;
   for (int i = 0; i < limit.iterations; ++i) {
-    std::vector<BlockVector> towards = similar.SolveRoughly(residual);
+    std::vector<BlockVector> towards = similar.Solve(residual);
     const double size = Dot(residual, towards);
     if (i == 0) {
       whole = size;

@@ -33,10 +33,12 @@ struct BlockKernels {
   void (*subtract_product)(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target);
 
   /// A finished column's share in the blocks below the diagonal of a later one: for each i,
-  /// targets[slot_of_row[rows[i]]] -= column[i] * across^T.
-  void (*subtract_column)(std::span<const PaddedBlock> column, std::span<const std::uint32_t> rows,
-                          const PaddedBlock& across, std::span<const std::uint32_t> slot_of_row,
-                          PaddedBlock* targets);
+  /// blocks[targets[i]] -= column[i] * across^T.
+  void (*subtract_column)(std::span<const PaddedBlock> column, const PaddedBlock& across,
+                          std::span<const std::uint32_t> targets, PaddedBlock* blocks);
+
+  /// For each i, rounded[i] = blocks[i].
+  void (*round)(std::span<const PaddedBlock> blocks, RoughBlock* rounded);
 
   /// For each i, x[rows[i]] -= column[i] * of_column.
   void (*subtract_downwards)(std::span<const RoughBlock> column,

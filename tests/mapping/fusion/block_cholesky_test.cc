@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "mapping/fusion/internal/conjugate_gradients.h"
 #include "tests/mapping/fusion/random_system.h"
 
 namespace waymark::mapping {
@@ -39,23 +40,15 @@ TEST(BlockCholesky, SolvesAsADenseSolverDoes) {
     for (int i = 0; i < size; ++i)
       right_blocks[static_cast<std::size_t>(i)] = right.segment<7>(7 * i);
     const Eigen::VectorXd expected = damped.llt().solve(right);
-    const auto found = cholesky.Solve(right_blocks);
-    for (int i = 0; i < size; ++i) {
-      EXPECT_LT((found[static_cast<std::size_t>(i)] - expected.segment<7>(7 * i)).norm(), 1e-9)
-          << size << " unknowns, " << edges << " edges";
-    }
-  }
-}
-
-TEST(BlockCholesky, SolvesRoughlyToSinglePrecision) {
-  const RandomSystem system = MakeSystem(40, 300, 7);
-  BlockCholesky cholesky(RandomOrder(40, system.edges), system.edges);
-  ASSERT_TRUE(cholesky.Factor(system.matrix, 0.5, 0.25));
-  std::vector<BlockVector> right;
-  for (int i = 0; i < 40; ++i) right.push_back(BlockVector::LinSpaced(-i, 2));
-  const auto exact = cholesky.Solve(right), rough = cholesky.SolveRoughly(right);
-  for (std::size_t i = 0; i < 40; ++i) {
-    EXPECT_LT((rough[i] - exact[i]).norm(), 1e-4 * exact[i].norm());
+    const auto expect_near = [&](const std::vector<BlockVector>& found, double error) {
+      for (int i = 0; i < size; ++i) {
+        EXPECT_LT((found[static_cast<std::size_t>(i)] - expected.segment<7>(7 * i)).norm(), error)
+            << size << " unknowns, " << edges << " edges";
+      }
+    };
+    expect_near(cholesky.Solve(right_blocks), 1e-5 * expected.norm());
+    const DampedMatrix matrix{system.matrix, system.edges, 0.5, 0.25};
+    expect_near(SolveByGradients(matrix, right_blocks, cholesky, {1e-12, 5}).x, 1e-9);
   }
 }
 
