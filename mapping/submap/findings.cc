@@ -76,34 +76,52 @@ std::optional<double> FindExcessTurn(const Reconstruction& reconstruction,
   return std::nullopt;
 }
 
+/// Beyond what is tolerated, and beyond what those who say so may err by.
+double ShapeBound(const Bending& bending, const VerificationOptions& options) {
+  return std::max(options.max_shape_error_m, options.max_shape_sigmas * bending.sigma_m);
+}
+
 /// Where the road is known, it tells drifts of the scale from drifts of GNSS.
 void JudgeScale(const GnssShape& pass, const VerificationOptions& options, Findings& findings) {
-  const auto bound = [&](const Bending& bending) {
-    return options.max_shape_error_m + options.max_shape_sigmas * bending.sigma_m;
-  };
   const auto add = [&](const Bending& bending, Tally& tally) {
-    tally.Add(bending.metres, bound(bending));
+    tally.Add(bending.metres, ShapeBound(bending, options));
   };
   if (!pass.scale_by_road) return add(pass.scale, findings.scale_drift);
   add(*pass.scale_by_road, findings.road_drift);
-  constexpr double kKnown = 4;  // tolerated errors: a road known no better overrules nobody
-  const double road_bound = bound(*pass.scale_by_road);
-  const bool road_agrees = pass.scale_by_road->metres <= road_bound &&
-                           road_bound <= kKnown * options.max_shape_error_m;
-  const bool gnss_denies = pass.scale.metres > std::max(road_bound, bound(pass.scale));
-  if (gnss_denies && road_agrees) {
-    add(pass.scale, findings.gnss_lie);
-  } else {
-    add(*pass.scale_by_both, findings.scale_drift);
+  const Bending& dispute = *pass.scale_dispute;
+  if (dispute.metres <= options.max_shape_sigmas * dispute.sigma_m) {
+    return add(*pass.scale_by_both, findings.scale_drift);
   }
+  // Witnesses that contradict each other cannot be joined. The reconstruction was fitted to GNSS
+  // and not to the road, so that GNSS agrees with it tells little: the road alone has to.
+  constexpr double kKnown = 2;  // tolerated errors: a road known no better overrules nobody
+  const bool road_agrees = pass.scale_by_road->metres <= options.max_shape_error_m;
+  const bool is_road_known =
+      ShapeBound(*pass.scale_by_road, options) <= kKnown * options.max_shape_error_m;
+  if (road_agrees && is_road_known) {
+    add(pass.scale, findings.gnss_lie);
+  } else if (road_agrees) {
+    add(pass.scale, findings.scale_drift);
+  } else {
+    findings.scale_drift.Add(pass.scale_by_road->metres, options.max_shape_error_m);
+  }
+}
+
+/// A bend as GNSS says and, less its own bias, the gyroscope, each by how well it knows.
+Bending JoinBends(const GnssShape& pass, double excess_rad_per_s, double sigma_rad_per_s) {
+  const double by_gnss = 1 / std::pow(pass.turn_sigma_rad_per_s, 2);
+  const double by_gyroscope = 1 / std::pow(sigma_rad_per_s, 2);
+  const double turn =
+      (by_gnss * pass.turn_rad_per_s - by_gyroscope * excess_rad_per_s) / (by_gnss + by_gyroscope);
+  const double metres_per_turn = pass.bend.sigma_m / pass.turn_sigma_rad_per_s;
+  return {metres_per_turn * std::abs(turn), metres_per_turn / std::sqrt(by_gnss + by_gyroscope)};
 }
 
 void JudgeShapes(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
                  std::span<const RotationDrift> drifts, const VerificationOptions& options,
                  Findings& findings) {
   const auto add = [&](const Bending& bending, Tally& tally) {
-    tally.Add(bending.metres,
-              options.max_shape_error_m + options.max_shape_sigmas * bending.sigma_m);
+    tally.Add(bending.metres, ShapeBound(bending, options));
   };
   for (const GnssShape& pass : MeasureGnssShape(reconstruction, images, findings.is_vehicle)) {
     // Either GNSS or the images left the path at once; the images' motion tells which.
@@ -117,9 +135,15 @@ void JudgeShapes(const Reconstruction& reconstruction, std::span<const Verificat
       continue;
     }
     // The gyroscope cannot deny a turn that its own bias would hide.
-    const double allowed = 2.5 * options.gyroscope_bias_sigma_rad_per_s;
-    const bool is_possible = std::abs(*excess + pass.turn_rad_per_s) < allowed;
-    add(pass.bend, is_possible ? findings.bend : findings.gnss_lie);
+    constexpr double kSigmas = 2.5;
+    const double sigma = options.gyroscope_bias_sigma_rad_per_s;
+    const bool is_possible = std::abs(*excess + pass.turn_rad_per_s) <
+                             kSigmas * std::hypot(sigma, pass.turn_sigma_rad_per_s);
+    if (is_possible) {
+      add(JoinBends(pass, *excess, sigma), findings.bend);
+    } else {
+      add(pass.bend, findings.gnss_lie);
+    }
     add(pass.double_bend, findings.gnss_lie);
   }
 }

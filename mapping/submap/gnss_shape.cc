@@ -71,9 +71,15 @@ struct Fit {
   double noise_m;
 };
 
-Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off) {
+/// `fixes`: how many of the places are independent of each other. A receiver gives one a second;
+/// between two, places lie on a line whose errors are two thirds of theirs (variance, on average).
+Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off, double fixes) {
   constexpr int kIterations = 12;
   const Eigen::Index places = rows.rows() / 2;
+  const bool are_interpolated = fixes < static_cast<double>(places);
+  // A fit to few fixes follows their noise.
+  const double followed = std::sqrt(fixes / std::max(1.0, fixes - 0.5 * kColumns)) *
+                          (are_interpolated ? std::sqrt(1.5) : 1);
   Fit fit{Column10::Zero(), Square::Zero(), kLeastNoiseM};
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(rows.rows());
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -85,10 +91,7 @@ Fit FitRobustly(const Rows& rows, const Eigen::VectorXd& off) {
     const Eigen::VectorXd rest = off - rows * fit.values;
     std::vector<double> sizes;
     for (Eigen::Index k = 0; k < places; ++k) sizes.push_back(rest.segment<2>(2 * k).norm());
-    // The median length of a two-dimensional normal is 1.18 standard deviations. A fit to few
-    // places follows their noise.
-    const auto count = static_cast<double>(places);
-    const double followed = std::sqrt(count / std::max(1.0, count - 0.5 * kColumns));
+    // The median length of a two-dimensional normal is 1.18 standard deviations.
     fit.noise_m = std::max(kLeastNoiseM, followed * Median(sizes) / 1.18);
     for (Eigen::Index k = 0; k < places; ++k) {
       const double sigmas = sizes[static_cast<std::size_t>(k)] / fit.noise_m;
@@ -115,6 +118,11 @@ Known Join(const Known& a, const Known& b) {
   const Eigen::MatrixXd by_a = a.covariance.inverse(), by_b = b.covariance.inverse();
   const Eigen::MatrixXd covariance = (by_a + by_b).inverse();
   return {covariance * (by_a * a.values + by_b * b.values), covariance};
+}
+
+/// How two that are independent differ.
+Known Subtract(const Known& a, const Known& b) {
+  return {a.values - b.values, a.covariance + b.covariance};
 }
 
 /// The largest displacement by some columns that no similarity can make good.
@@ -171,6 +179,7 @@ void AddRoad(const Rows& rows, const RoadHeights& road, const Known& by_gnss, Gn
   const Known by_road{-road.drift, road.covariance};
   shape.scale_by_road = MeasureBending(rows, columns, by_road);
   shape.scale_by_both = MeasureBending(rows, columns, Join(by_gnss, by_road));
+  shape.scale_dispute = MeasureBending(rows, columns, Subtract(by_gnss, by_road));
 }
 
 GnssShape Judge(const Pass& pass, const std::optional<RoadHeights>& road) {
@@ -181,13 +190,12 @@ GnssShape Judge(const Pass& pass, const std::optional<RoadHeights>& road) {
   for (std::size_t k = 0; k < pass.size(); ++k) {
     off.segment<2>(2 * static_cast<Eigen::Index>(k)) = pass[k].gnss - pass[k].path;
   }
-  const Fit fit = FitRobustly(rows, off);
   GnssShape shape{.first = pass.front().image,
                   .last = pass.back().image,
                   .seconds = pass.back().seconds - pass.front().seconds};
-  // Positions between two fixes are not independent of each other: one a second is.
-  const double independent = std::min(static_cast<double>(pass.size()), 1 + shape.seconds);
-  const double spread = std::sqrt(static_cast<double>(pass.size()) / independent);
+  const double fixes = std::min(static_cast<double>(pass.size()), 1 + shape.seconds);
+  const Fit fit = FitRobustly(rows, off, fixes);
+  const double spread = std::sqrt(static_cast<double>(pass.size()) / fixes);
   const auto measure = [&](const std::vector<int>& columns) {
     return MeasureBending(rows, columns, SelectColumns(fit, columns, spread));
   };
@@ -196,7 +204,9 @@ GnssShape Judge(const Pass& pass, const std::optional<RoadHeights>& road) {
   shape.bend = measure({kBend1});
   shape.double_bend = measure({kBend2});
   // From one end to the other, the factor of the linear column goes from -1 to 1.
-  shape.turn_rad_per_s = 2 * fit.values[kBend1] / shape.seconds;
+  const Known bend = SelectColumns(fit, {kBend1}, spread);
+  shape.turn_rad_per_s = 2 * bend.values[0] / shape.seconds;
+  shape.turn_sigma_rad_per_s = 2 * std::sqrt(bend.covariance(0, 0)) / shape.seconds;
   shape.largest_jump_m = jump.metres;
   shape.jump_bound_m = jump.bound;
   shape.noise_m = fit.noise_m;

@@ -74,8 +74,8 @@ struct VerificationOptions {
   double max_yaw_rate_error_rad_per_s = 0.2;  ///< of the path's heading against the camera's turn
 
   // Shape against GNSS.
-  double max_shape_error_m = 0.5;  ///< largest displacement by a drift of scale or heading, plus
-  double max_shape_sigmas = 4;     ///< times how well GNSS knows it
+  double max_shape_error_m = 0.5;  ///< largest displacement by a drift of scale or heading, and
+  double max_shape_sigmas = 4;     ///< times how well it is known: the larger is the bound
 
   Result<void> Validate() const;
 };

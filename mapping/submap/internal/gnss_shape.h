@@ -12,11 +12,7 @@ namespace waymark::mapping::internal {
 /// One way of bending a path, in metres of its largest displacement.
 struct Bending {
   double metres = 0;
-  double sigma_m = 0;  ///< how well GNSS knows it
-
-  bool IsBeyond(double tolerated_m, double sigmas) const {
-    return metres > tolerated_m + sigmas * sigma_m;
-  }
+  double sigma_m = 0;  ///< how well it is known
 };
 
 /// How one pass of one camera must be bent until it lies on its GNSS positions, after the best
@@ -26,13 +22,15 @@ struct GnssShape {
   std::uint32_t last;
   double seconds;
   Bending scale = {};  ///< its scale drifts
-  /// The same by the height of a vehicle's camera above the road, and by both together; absent
-  /// where the road is not known.
+  /// The same by the height of a vehicle's camera above the road, by both together, and how far
+  /// the two are from each other; absent where the road is not known.
   std::optional<Bending> scale_by_road = std::nullopt;
   std::optional<Bending> scale_by_both = std::nullopt;
+  std::optional<Bending> scale_dispute = std::nullopt;
   Bending bend = {};          ///< its heading drifts, one way
   Bending double_bend = {};   ///< one way and back
   double turn_rad_per_s = 0;  ///< by `bend`, left positive, on average over the pass
+  double turn_sigma_rad_per_s = 0;
   double largest_jump_m = 0;  ///< of GNSS against the path within a second
   double jump_bound_m = 0;
   double noise_m = 0;  ///< of GNSS around the bent path, one axis

@@ -107,6 +107,17 @@ TEST_F(VerifyRoad, GnssThatRunsAwayAlongTheWayIsNotFollowed) {
   EXPECT_THAT(Verify().verdict, HasSubstr("its scale drifts against GNSS,"));
 }
 
+// GNSS wandered off and the reconstruction went with it: GNSS says that all is well, the road that
+// it is not. They cannot both be right, and what follows GNSS is not acquitted by it.
+TEST_F(VerifyRoad, GnssThatTookTheReconstructionAlongDoesNotAcquitIt) {
+  DriftScale(1.14, found_);
+  images_ = MeasureWalk(found_);
+  EXPECT_GT(Find(Verify(), "scale_drift_by_road_m")->value, 0.5);
+  EXPECT_THAT(Verify().verdict, HasSubstr("its scale drifts against GNSS and the road"));
+  RemoveRoad();
+  EXPECT_TRUE(Verify().accepted) << "nobody contradicts: " << Verify().verdict;
+}
+
 TEST_F(VerifyRoad, KerbsAndCarsDoNotPassForTheRoad) {
   std::uniform_real_distribution<double> beside(-1.5, 1.5), ahead(4, 12), up(0.3, 1.2);
   for (std::size_t i = 0; i < found_.images.size(); ++i) {
