@@ -13,11 +13,18 @@
 
 namespace waymark::localiser::internal {
 
-/// A feature of the image and a landmark that it looks like, of whatever submap.
+/// A feature of an image and a landmark that it looks like, of whatever submap.
 struct SeenResemblance {
-  std::uint32_t feature;
+  std::uint32_t feature;  ///< numbered on from image to image
+  std::uint32_t image;
   Eigen::Vector2d pixel_px;
   Eigen::Vector3d point_in_map;
+};
+
+/// An image of a request, where a pose puts it.
+struct PlacedImage {
+  CameraModel camera;
+  Rigid3 map_from_camera;
 };
 
 struct RivalOptions {
@@ -33,7 +40,7 @@ struct Rivalry {
   /// asked, the more there are.
   double chance_supporters = 0;
   double chance_rivals = 0;
-  Rigid3 map_from_camera;  ///< the other pose
+  Rigid3 map_from_camera;  ///< the other pose of the last image
 
   /// Rivals over supporters, of each what is beyond chance; three sigma more of the rivals, whose
   /// pose was chosen to have many. Can be below 0.
@@ -42,9 +49,9 @@ struct Rivalry {
 
 /// Looks for the pose elsewhere that explains most features, among all landmarks that they look
 /// like: no ratio test has thrown away what copies of a place share. What is copied is assumed to
-/// stand upright.
-/// Deterministic. Shapes: resemblances sorted by feature.
-Rivalry FindRival(const CameraModel& camera, const Rigid3& map_from_camera,
+/// stand upright. The images of a burst keep their places beside each other.
+/// Deterministic. Shapes: resemblances sorted by feature; at least one image.
+Rivalry FindRival(std::span<const PlacedImage> images,
                   std::span<const SeenResemblance> resemblances, const RivalOptions& options);
 
 }  // namespace waymark::localiser::internal

@@ -23,8 +23,8 @@ std::vector<SeenResemblance> See(const RandomPlace& place, const Rigid3& viewpoi
   for (const Eigen::Vector3d& landmark : place.landmarks()) {
     const auto pixel_px = TestCamera().Project(viewpoint.Inverse() * landmark);
     if (!pixel_px || !TestCamera().Contains(*pixel_px)) continue;
-    seen.push_back({feature, *pixel_px, landmark});
-    if (feature % each == 0) seen.push_back({feature, *pixel_px, copy(landmark)});
+    seen.push_back({feature, 0, *pixel_px, landmark});
+    if (feature % each == 0) seen.push_back({feature, 0, *pixel_px, copy(landmark)});
     ++feature;
   }
   return seen;
@@ -37,9 +37,11 @@ Copy MovedBy(const Eigen::Vector3d& offset) {
 class RivalPose : public testing::Test {
  protected:
   Rivalry Find(std::size_t each, const Copy& copy, double same_place_m = 1) const {
-    return FindRival(TestCamera(), viewpoint_, See(place_, viewpoint_, each, copy),
+    return FindRival(Placed(), See(place_, viewpoint_, each, copy),
                      {.max_error_px = 6, .same_place_m = same_place_m});
   }
+
+  std::vector<PlacedImage> Placed() const { return {{TestCamera(), viewpoint_}}; }
 
   RandomPlace place_{1};
   Rigid3 viewpoint_ = place_.Viewpoint(1, 0.5);
@@ -84,12 +86,13 @@ TEST_F(RivalPose, OfManyResemblancesByChanceHasNoMoreThanChance) {
   for (std::size_t i = 0; i < own; ++i) {
     for (int other = 0; other < 100; ++other) {
       seen.push_back({seen[i].feature,
+                      0,
                       seen[i].pixel_px,
                       {random.Uniform(-40, 40), random.Uniform(10, 16), random.Uniform(-1, 7)}});
     }
   }
   std::ranges::stable_sort(seen, {}, &SeenResemblance::feature);
-  const Rivalry rivalry = FindRival(TestCamera(), viewpoint_, seen, {});
+  const Rivalry rivalry = FindRival(Placed(), seen, {});
   EXPECT_GT(static_cast<double>(rivalry.rivals), 0.09 * static_cast<double>(rivalry.supporters));
   EXPECT_LT(rivalry.Share(), 0.05);
 }
@@ -106,7 +109,7 @@ TEST_F(RivalPose, IsTheSameEachTime) {
 }
 
 TEST_F(RivalPose, NeedsNoResemblance) {
-  const Rivalry rivalry = FindRival(TestCamera(), viewpoint_, {}, {});
+  const Rivalry rivalry = FindRival(Placed(), {}, {});
   EXPECT_EQ(rivalry.supporters, 0U);
   EXPECT_EQ(rivalry.rivals, 0U);
 }
