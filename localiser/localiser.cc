@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "localiser/internal/ambiguity.h"
+#include "localiser/internal/burst_candidates.h"
+#include "localiser/internal/burst_checks.h"
 #include "localiser/internal/candidate.h"
 #include "localiser/internal/release_submaps.h"
+#include "localiser/internal/request_checks.h"
 #include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser {
@@ -20,36 +23,6 @@ using internal::Candidate;
 using internal::OpenSubmap;
 using mapping::GrayImage;
 using mapping::ImageFeatures;
-
-std::optional<std::string> FindContradiction(const LocalisationRequest& request) {
-  if (const auto* image = std::get_if<GrayImage>(&request.image)) {
-    if (image->width_px != request.camera.width_px() ||
-        image->height_px != request.camera.height_px()) {
-      return fmt::format("the image has {}x{} pixels, its camera {}x{}", image->width_px,
-                         image->height_px, request.camera.width_px(), request.camera.height_px());
-    }
-  } else {
-    const auto& features = std::get<ImageFeatures>(request.image);
-    if (features.keypoints.size() != features.descriptors.size()) {
-      return fmt::format("{} keypoints, but {} descriptors", features.keypoints.size(),
-                         features.descriptors.size());
-    }
-    for (const mapping::Keypoint& keypoint : features.keypoints) {
-      if (!request.camera.Contains({keypoint.x_px, keypoint.y_px})) {
-        return fmt::format("a keypoint at ({}, {}) is outside the image", keypoint.x_px,
-                           keypoint.y_px);
-      }
-    }
-  }
-  if (request.prior && !(request.prior->position.coordinates().allFinite() &&
-                         std::isfinite(request.prior->radius_m) && request.prior->radius_m > 0)) {
-    return "the prior is not finite, or its radius is not above 0";
-  }
-  if (request.up_in_camera && !(std::abs(request.up_in_camera->norm() - 1) < 0.01)) {
-    return fmt::format("gravity has length {}, expected 1", request.up_in_camera->norm());
-  }
-  return std::nullopt;
-}
 
 ImageFeatures Strongest(const ImageFeatures& features, std::size_t count) {
   const auto end = static_cast<std::ptrdiff_t>(count);
@@ -61,6 +34,18 @@ bool IsNear(const mapping::ReleasedSubmap& submap, const std::optional<PositionP
   if (!prior) return true;
   const Eigen::Vector3d offset = submap.centre.coordinates() - prior->position.coordinates();
   return offset.head<2>().norm() <= submap.radius_m + prior->radius_m;
+}
+
+std::string DescribeMissing(const internal::TakenSubmaps& taken) {
+  if (taken.failures == 0) return {};
+  return fmt::format("; {} submaps could not be opened, the first: {}", taken.failures,
+                     taken.failure);
+}
+
+Localisation Refused(Localisation answer, LocalisationStatus status, std::string reason) {
+  answer.status = status;
+  answer.reason = std::move(reason);
+  return answer;
 }
 
 LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, int min_inliers) {
@@ -79,41 +64,103 @@ struct Localiser::Impl {
   internal::ReleaseSubmaps submaps;
 
   Localisation Answer(const LocalisationRequest& request) const;
+  Localisation Answer(const BurstRequest& burst) const;
+  Result<ImageFeatures> FeaturesOf(const LocalisationRequest& request, StageTimes& times) const;
   void Search(const LocalisationRequest& request, const ImageFeatures& features,
               Localisation& answer) const;
+  /// Whether the images together decide; if not, answer.reason says why.
+  bool SearchTogether(const internal::AskedBurst& burst, Localisation& answer) const;
   internal::TakenSubmaps TakeNear(const std::optional<PositionPrior>& prior,
                                   StageTimes& times) const;
   std::vector<Candidate> Ask(std::span<const OpenSubmap> near, const LocalisationRequest& request,
                              const ImageFeatures& features, StageTimes& times) const;
 };
 
+Result<ImageFeatures> Localiser::Impl::FeaturesOf(const LocalisationRequest& request,
+                                                  StageTimes& times) const {
+  if (const auto* features = std::get_if<ImageFeatures>(&request.image)) {
+    const auto limit = static_cast<std::size_t>(options.features.max_features);
+    return features->keypoints.size() <= limit ? *features : Strongest(*features, limit);
+  }
+  const Stopwatch watch;
+  auto extracted = ExtractFeatures(std::get<GrayImage>(request.image), options.features);
+  times.features_ms += 1e3 * watch.ElapsedS();
+  return extracted;
+}
+
 Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
   Localisation answer;
   answer.epoch = epoch;
-  if (const auto contradiction = FindContradiction(request)) {
-    answer.status = LocalisationStatus::kInvalidRequest;
-    answer.reason = *contradiction;
-    return answer;
+  if (const auto contradiction = internal::FindContradiction(request)) {
+    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest, *contradiction);
   }
-  if (const auto* features = std::get_if<ImageFeatures>(&request.image)) {
-    const auto limit = static_cast<std::size_t>(options.features.max_features);
-    if (features->keypoints.size() <= limit) {
-      Search(request, *features, answer);
-    } else {
-      Search(request, Strongest(*features, limit), answer);
+  const auto features = FeaturesOf(request, answer.times);
+  if (!features) {
+    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
+                   ToString(features.error()));
+  }
+  Search(request, *features, answer);
+  return answer;
+}
+
+Localisation Localiser::Impl::Answer(const BurstRequest& burst) const {
+  Localisation answer;
+  answer.epoch = epoch;
+  if (const auto contradiction = internal::FindContradiction(burst, options.max_gravity_error)) {
+    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest, *contradiction);
+  }
+  std::vector<BurstImage> images = burst.images;
+  std::vector<ImageFeatures> features;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    auto& [request, vo_from_camera] = images[i];
+    auto found = FeaturesOf(request, answer.times);
+    if (!found) {
+      return Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
+                     fmt::format("image {} of {}: {}", i + 1, images.size(),
+                                 ToString(found.error())));
     }
-    return answer;
+    features.push_back(*std::move(found));
+    if (!request.up_in_camera) request.up_in_camera = internal::UpInCamera(vo_from_camera);
+  }
+  if (SearchTogether({images, features}, answer)) return answer;
+  const std::string together = std::move(answer.reason);
+  Search(images.back().request, features.back(), answer);
+  answer.reason = fmt::format("all {} images: {}; the last alone: {}", images.size(), together,
+                              answer.reason);
+  return answer;
+}
+
+bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
+                                     Localisation& answer) const {
+  const internal::TakenSubmaps taken = TakeNear(burst.last().prior, answer.times);
+  if (taken.submaps.empty()) {
+    answer.reason = "no submap to search";
+    return false;
+  }
+  std::vector<Candidate> candidates =
+      internal::AskBurst(taken.submaps, burst, submaps.quantiser(), options, answer.times);
+  Candidate& best = candidates.front();
+  if (!best.pose) {
+    answer.reason = best.refusal;
+    return false;
   }
   const Stopwatch watch;
-  const auto extracted = ExtractFeatures(std::get<GrayImage>(request.image), options.features);
-  answer.times.features_ms = 1e3 * watch.ElapsedS();
-  if (!extracted) {
-    answer.status = LocalisationStatus::kInvalidRequest;
-    answer.reason = ToString(extracted.error());
-    return answer;
+  const auto odometry = internal::FindOdometryContradiction(best, burst);
+  auto refusal = odometry ? odometry : internal::FindContradiction(best, burst, options);
+  if (!refusal) refusal = internal::FindBurstAmbiguity(candidates, burst, options);
+  answer.times.pose_ms += 1e3 * watch.ElapsedS();
+  if (refusal) {
+    answer.status = LocalisationStatus::kNoConsistentPose;
+    answer.reason = *std::move(refusal);
+    return !odometry;
   }
-  Search(request, *extracted, answer);
-  return answer;
+  answer.status = LocalisationStatus::kLocalised;
+  answer.reason = fmt::format("{} landmarks in {} of {} images agree in submap {}, one of {} searched{}",
+                              best.pose->inliers, best.pose->images, burst.images.size(),
+                              best.submap->released().id.text(), taken.submaps.size(),
+                              DescribeMissing(taken));
+  answer.pose = std::move(best.pose);
+  return true;
 }
 
 internal::TakenSubmaps Localiser::Impl::TakeNear(const std::optional<PositionPrior>& prior,
@@ -165,10 +212,7 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
   }
   const internal::TakenSubmaps taken = TakeNear(request.prior, answer.times);
   const std::vector<OpenSubmap>& near = taken.submaps;
-  const std::string missing = taken.failures == 0
-                                  ? std::string()
-                                  : fmt::format("; {} submaps could not be opened, the first: {}",
-                                                taken.failures, taken.failure);
+  const std::string missing = DescribeMissing(taken);
   if (near.empty()) {
     if (taken.failures > 0) return refuse(LocalisationStatus::kNothingNear, "none" + missing);
     return refuse(LocalisationStatus::kNothingNear,
@@ -212,7 +256,15 @@ Localiser::~Localiser() = default;
 
 std::uint64_t Localiser::epoch() const { return impl_->epoch; }
 std::size_t Localiser::submap_count() const { return impl_->submaps.size(); }
+const LocaliserOptions& Localiser::options() const { return impl_->options; }
 LocaliserMemory Localiser::memory() const { return impl_->submaps.memory(); }
+
+Localisation Localiser::Localise(const BurstRequest& burst) const {
+  const Stopwatch watch;
+  Localisation answer = impl_->Answer(burst);
+  answer.times.total_ms = 1e3 * watch.ElapsedS();
+  return answer;
+}
 
 Localisation Localiser::Localise(const LocalisationRequest& request) const {
   const Stopwatch watch;

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "mapping/base/id.h"
 #include "mapping/base/result.h"
@@ -33,6 +34,22 @@ struct LocalisationRequest {
   CameraModel camera;
   std::optional<PositionPrior> prior;           ///< absent: every submap is searched
   std::optional<Eigen::Vector3d> up_in_camera;  ///< unit, from the phone's gravity
+};
+
+/// One image of a burst.
+struct BurstImage {
+  LocalisationRequest request;
+  /// Odometry of gravity-aligned metres, z up; taken as exact to 2 % of the way to the last image.
+  Transform<Vo, Camera> vo_from_camera;
+};
+
+/// Images that a phone took within seconds, asked as one: landmarks that no single image shows
+/// enough of may be enough together. The answer is about the last one.
+struct BurstRequest {
+  static constexpr std::size_t kMinImages = 2;
+  static constexpr std::size_t kMaxImages = 16;
+
+  std::vector<BurstImage> images;  ///< oldest first
 };
 
 enum class LocalisationStatus : std::uint8_t {
@@ -60,8 +77,9 @@ struct LocalisedPose {
   Eigen::Matrix<double, 6, 6> covariance;        ///< of Perturb's delta in the map frame, m and rad
   SubmapId submap;                               ///< the one that won
   Transform<Submap, Camera> submap_from_camera;  ///< survives every later release
-  int inliers = 0;
+  int inliers = 0;                               ///< of a burst: different landmarks
   double rms_px = 0;
+  int images = 1;  ///< of a burst, that show inliers
 };
 
 /// One answer: a value also when there is no pose.
@@ -124,8 +142,13 @@ class Localiser {
 
   std::uint64_t epoch() const;
   std::size_t submap_count() const;
+  const LocaliserOptions& options() const;
   LocaliserMemory memory() const;
   Localisation Localise(const LocalisationRequest& request) const;
+  /// Solves for all images of a burst at once. Where no pose explains them together, as when only
+  /// the last one shows the map or odometry contradicts what images show by themselves, the answer
+  /// is that of the last image alone; `LocalisedPose::images` is 1 then, and `reason` says why.
+  Localisation Localise(const BurstRequest& burst) const;
 
  private:
   struct Impl;

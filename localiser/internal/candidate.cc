@@ -19,31 +19,31 @@ Eigen::Matrix<double, 6, 6> CarryCovariance(const Sim3& map_from_submap,
   return jacobian * in_submap * jacobian.transpose();
 }
 
-std::optional<std::string> FindContradiction(const LocalisedPose& pose,
-                                             const LocalisationRequest& request,
+}  // namespace
+
+std::optional<std::string> FindContradiction(const Transform<Map, Camera>& map_from_camera,
+                                             int inliers, const LocalisationRequest& request,
                                              const LocaliserOptions& options) {
   if (request.up_in_camera) {
-    const Eigen::Vector3d up_in_map = pose.map_from_camera.rotation() * *request.up_in_camera;
+    const Eigen::Vector3d up_in_map = map_from_camera.rotation() * *request.up_in_camera;
     const Angle error = Angle::Radians(std::atan2(up_in_map.head<2>().norm(), up_in_map.z()));
     if (error > options.max_gravity_error) {
       return fmt::format("gravity contradicts the pose of {} inliers by {:.0f} degrees, at most {}",
-                         pose.inliers, error.degrees(), options.max_gravity_error.degrees());
+                         inliers, error.degrees(), options.max_gravity_error.degrees());
     }
   }
   if (request.prior) {
     const double distance_m =
-        (pose.map_from_camera.translation() - request.prior->position.coordinates())
+        (map_from_camera.translation() - request.prior->position.coordinates())
             .head<2>()
             .norm();
     if (distance_m > request.prior->radius_m) {
       return fmt::format("the pose of {} inliers is {:.0f} m from a prior of {:.0f} m",
-                         pose.inliers, distance_m, request.prior->radius_m);
+                         inliers, distance_m, request.prior->radius_m);
     }
   }
   return std::nullopt;
 }
-
-}  // namespace
 
 ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& request) {
   ImageSenses senses{request.camera, std::nullopt};
@@ -72,7 +72,7 @@ Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
       .inliers = static_cast<int>(pose.inliers.size()),
       .rms_px = pose.rms_px,
   };
-  if (auto contradiction = FindContradiction(localised, request, options)) {
+  if (auto contradiction = FindContradiction(localised.map_from_camera, localised.inliers, request, options)) {
     candidate.refusal = *std::move(contradiction);
   } else {
     candidate.pose = std::move(localised);

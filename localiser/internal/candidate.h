@@ -26,6 +26,11 @@ ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& reques
 Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
                      const LocalisationRequest& request, const LocaliserOptions& options);
 
+/// How what the phone knows of itself contradicts a pose; nullopt: it does not.
+std::optional<std::string> FindContradiction(const Transform<Map, Camera>& map_from_camera,
+                                             int inliers, const LocalisationRequest& request,
+                                             const LocaliserOptions& options);
+
 /// By inliers; a candidate without a pose by its matches, after all that have one.
 bool IsMoreConvincing(const Candidate& a, const Candidate& b);
 

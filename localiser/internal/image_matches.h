@@ -3,19 +3,24 @@
 
 #include <Eigen/Core>
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "mapping/estimation/upright_pose.h"
 #include "mapping/geometry/camera_model.h"
+#include "mapping/geometry/rigid3.h"
 
 namespace waymark::localiser::internal {
 
-/// Features of an image beside the landmarks that they may show, one each; equal lengths.
+/// Features of an image, or of several, beside the landmarks that they may show, one each; equal
+/// lengths.
 struct ImageMatches {
   std::vector<Eigen::Vector2d> pixels_px;
   std::vector<Eigen::Vector3d> points_in_submap;
-  std::vector<double> quality;  ///< higher is clearer
+  std::vector<double> quality;           ///< higher is clearer
+  std::vector<std::uint32_t> landmarks;  ///< indices in the submap; each at most once in an image
+  std::vector<std::uint32_t> images;     ///< of a burst, ascending indices; empty: one image
 
   std::size_t size() const { return pixels_px.size(); }
 };
@@ -24,6 +29,12 @@ struct ImageMatches {
 struct ImageSenses {
   CameraModel camera;
   std::optional<mapping::SharedUp> up;  ///< "world" is the submap
+};
+
+/// One image of a burst: its lens, and where odometry says that it was taken, in the submap's units.
+struct BurstCamera {
+  CameraModel camera;
+  Rigid3 vo_from_camera;
 };
 
 }  // namespace waymark::localiser::internal

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <span>
 
 #include "localiser/internal/image_matches.h"
 #include "mapping/base/result.h"
@@ -16,6 +18,18 @@ struct LookAlike {
   std::size_t matches = 0;   ///< of so many that do not agree on the first
   double distance_m = 0;     ///< between the two poses
 };
+
+/// The matches that are not among the inliers, which are ascending.
+ImageMatches WithoutInliers(const ImageMatches& matches, std::span<const std::uint32_t> inliers);
+
+/// Whether so many matches that agree on a second pose show another place, and do not just happen
+/// to; and whether that pose is elsewhere. Units: the distance is that to what the first pose sees
+bool IsLookAlike(std::size_t agreeing, std::size_t first_agreeing);
+bool IsElsewhere(const Rigid3& second, const Rigid3& first, double median_distance);
+
+/// Options under which a second pose is sought.
+inline constexpr int kMinLookAlikeInliers = 5;
+inline constexpr int kMaxLookAlikeDraws = 3000;
 
 /// Looks for a second pose among the matches that do not agree on the first one. Houses that are
 /// built alike share the matches of an image between them, wherever each was mapped from a more

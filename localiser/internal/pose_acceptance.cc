@@ -17,7 +17,7 @@ constexpr double kMaxLogFalsePoses = -4;  // one false pose in ten thousand imag
 // Features and projected landmarks crowd together, so that wrong matches hit more often than if
 // both were spread evenly over the image.
 constexpr double kCrowding = 4;
-constexpr int kGrid = 8;
+constexpr double kMaxFocalSigmas = 2.5;  // beyond its doubt, the lens is not the one stated
 constexpr std::size_t kMinGridCells = 5;
 constexpr double kMaxRelativeSigma = 0.05;  // of the distance, so that local maps need no metre
 
@@ -27,12 +27,12 @@ double LogBinomial(std::size_t n, std::size_t k) {
 }
 
 std::size_t CountGridCells(std::span<const Eigen::Vector2d> pixels_px, const CameraModel& camera) {
-  std::bitset<kGrid * kGrid> touched;
+  std::bitset<kImageParts * kImageParts> touched;
   for (const Eigen::Vector2d& pixel_px : pixels_px) {
     const auto cell = [](double position, int size) {
-      return std::clamp(static_cast<int>(kGrid * position / size), 0, kGrid - 1);
+      return std::clamp(static_cast<int>(kImageParts * position / size), 0, kImageParts - 1);
     };
-    touched.set(static_cast<std::size_t>(cell(pixel_px.y(), camera.height_px()) * kGrid +
+    touched.set(static_cast<std::size_t>(cell(pixel_px.y(), camera.height_px()) * kImageParts +
                                          cell(pixel_px.x(), camera.width_px())));
   }
   return touched.count();
@@ -48,29 +48,47 @@ double LogExpectedFalsePoses(std::size_t matches, std::size_t inliers, double ch
          static_cast<double>(inliers - kSample) * std::log10(std::min(1.0, chance));
 }
 
+std::optional<std::string> FindLensContradiction(std::size_t inliers, double focal_factor,
+                                                 double focal_sigma_share) {
+  if (std::abs(focal_factor - 1) <= kMaxFocalSigmas * focal_sigma_share) return std::nullopt;
+  return fmt::format("{} inliers contradict the stated focal length: they fit with {:.2f} times it",
+                     inliers, focal_factor);
+}
+
+double ChanceOfInlier(double max_error_px, const CameraModel& camera) {
+  const double area_px2 = double{1} * camera.width_px() * camera.height_px();
+  return kCrowding * std::numbers::pi * max_error_px * max_error_px / area_px2;
+}
+
 std::optional<std::string> FindReasonToRefuse(const PoseEvidence& evidence,
                                               const CameraModel& camera) {
-  const double area_px2 = double{1} * camera.width_px() * camera.height_px();
-  const double chance =
-      kCrowding * std::numbers::pi * evidence.max_error_px * evidence.max_error_px / area_px2;
+  return FindReasonToRefuse(
+      CountedEvidence{.matches = evidence.matches,
+                      .inliers = evidence.inliers_px.size(),
+                      .chance = ChanceOfInlier(evidence.max_error_px, camera),
+                      .parts = CountGridCells(evidence.inliers_px, camera),
+                      .position_covariance = evidence.position_covariance,
+                      .median_distance_m = evidence.median_distance_m});
+}
+
+std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence) {
   const double log_false =
-      LogExpectedFalsePoses(evidence.matches, evidence.inliers_px.size(), chance);
+      LogExpectedFalsePoses(evidence.matches, evidence.inliers, evidence.chance);
   if (log_false > kMaxLogFalsePoses) {
     return fmt::format(
         "{} inliers among {} matches may be chance (1e{:.1f} expected, at most 1e{})",
-        evidence.inliers_px.size(), evidence.matches, log_false, kMaxLogFalsePoses);
+        evidence.inliers, evidence.matches, log_false, kMaxLogFalsePoses);
   }
-  const std::size_t cells = CountGridCells(evidence.inliers_px, camera);
-  if (cells < kMinGridCells) {
+  if (evidence.parts < kMinGridCells) {
     return fmt::format("{} inliers touch only {} of {} parts of the image, {} are needed",
-                       evidence.inliers_px.size(), cells, kGrid * kGrid, kMinGridCells);
+                       evidence.inliers, evidence.parts, kImageParts * kImageParts, kMinGridCells);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(evidence.position_covariance,
                                                               Eigen::EigenvaluesOnly);
   const double sigma_m = std::sqrt(solver.eigenvalues().maxCoeff());
   if (!(sigma_m <= kMaxRelativeSigma * evidence.median_distance_m)) {
     return fmt::format("{} inliers at {:.1f} m leave the position uncertain by {:.2f} m",
-                       evidence.inliers_px.size(), evidence.median_distance_m, sigma_m);
+                       evidence.inliers, evidence.median_distance_m, sigma_m);
   }
   return std::nullopt;
 }

@@ -32,4 +32,26 @@ struct PoseEvidence {
 std::optional<std::string> FindReasonToRefuse(const PoseEvidence& evidence,
                                               const CameraModel& camera);
 
+/// The evidence of one pose or of a burst's, counted.
+struct CountedEvidence {
+  std::size_t matches;
+  std::size_t inliers;
+  double chance;      ///< that a wrong match is an inlier, see ChanceOfInlier
+  std::size_t parts;  ///< of the image, that inliers touch
+  Eigen::Matrix3d position_covariance;
+  double median_distance_m;
+};
+std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence);
+
+/// Whether the lens that a pose's inliers fit with is the one stated, whose focal length is in doubt
+/// by a share. Units: `focal_factor` is on the stated one
+std::optional<std::string> FindLensContradiction(std::size_t inliers, double focal_factor,
+                                                 double focal_sigma_share);
+
+/// An image has so many parts along each side.
+inline constexpr int kImageParts = 8;
+
+/// The probability that a wrong match is an inlier of a wrong pose.
+double ChanceOfInlier(double max_error_px, const CameraModel& camera);
+
 }  // namespace waymark::localiser::internal

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -18,8 +17,6 @@
 
 namespace waymark::localiser::internal {
 namespace {
-
-constexpr double kMaxFocalSigmas = 2.5;  // beyond its doubt, the lens is not the one stated
 
 // A landmark is seen once in an image, and one place in it shows one landmark: features of several
 // orientations share their place and must not be counted as independent evidence.
@@ -88,18 +85,25 @@ ImageMatches SubmapLocaliser::Match(const mapping::ImageFeatures& features,
     matches.pixels_px.emplace_back(keypoint.x_px, keypoint.y_px);
     matches.points_in_submap.push_back(landmarks_in_submap_[match.landmark]);
     matches.quality.push_back(1 - match.ratio);
+    matches.landmarks.push_back(match.landmark);
   }
   return matches;
 }
 
-SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
-                                       const RankedCells& cells, const ImageSenses& senses) const {
+SubmapAnswer SubmapLocaliser::FindMatches(const mapping::ImageFeatures& features,
+                                          const RankedCells& cells) const {
   SubmapAnswer answer;
   const Stopwatch search_watch;
   FoundLandmarks found = search_.Match(features.descriptors, cells);
   answer.matches = Match(features, std::move(found.matches));
   answer.resemblances = std::move(found.resemblances);
   answer.search_ms = 1e3 * search_watch.ElapsedS();
+  return answer;
+}
+
+SubmapAnswer SubmapLocaliser::Localise(const mapping::ImageFeatures& features,
+                                       const RankedCells& cells, const ImageSenses& senses) const {
+  SubmapAnswer answer = FindMatches(features, cells);
   EstimatePose(senses, answer);
   return answer;
 }
@@ -158,11 +162,7 @@ std::optional<std::string> SubmapLocaliser::Judge(const CameraModel& camera,
                              camera)) {
     return refusal;
   }
-  if (std::abs(pose.focal_factor - 1) > kMaxFocalSigmas * options_.focal_sigma_share) {
-    return fmt::format("{} inliers contradict the stated focal length: they fit with {:.2f} times it",
-                       pose.inliers.size(), pose.focal_factor);
-  }
-  return std::nullopt;
+  return FindLensContradiction(pose.inliers.size(), pose.focal_factor, options_.focal_sigma_share);
 }
 
 std::string SubmapLocaliser::FindAmbiguity(const ImageSenses& senses,

@@ -43,6 +43,9 @@ class SubmapLocaliser {
   SubmapAnswer Localise(const mapping::ImageFeatures& features, const RankedCells& cells,
                         const ImageSenses& senses) const;
 
+  /// The same without a pose.
+  SubmapAnswer FindMatches(const mapping::ImageFeatures& features, const RankedCells& cells) const;
+
   /// Looks for the pose once more, among the same matches, with other senses.
   void EstimatePose(const ImageSenses& senses, SubmapAnswer& answer) const;
 

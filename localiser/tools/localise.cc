@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "localiser/internal/batch.h"
+#include "localiser/internal/burst_query.h"
+#include "localiser/tools/localise_options.h"
 #include "mapping/base/file.h"
 #include "mapping/base/log.h"
 
 namespace waymark::localiser {
 namespace {
-
-struct Arguments {
-  std::string map, query, out, camera, list;
-  int threads = 0;
-  double memory_mb = 0;
-  bool no_prior = false;
-  bool verbose = false;
-};
 
 void ReportRefusals(std::span<const internal::LocalisedImage> images) {
   for (const auto& [name, answer] : images) {
@@ -36,24 +30,43 @@ Result<void> CheckOutFolder(const std::filesystem::path& out) {
                    folder.string());
 }
 
-Result<void> Localise(const Arguments& arguments) {
-  WAYMARK_TRY(CheckOutFolder(arguments.out));
-  std::optional<CameraModel> camera;
-  if (!arguments.camera.empty()) {
-    WAYMARK_TRY_ASSIGN(camera, internal::ParseCamera(arguments.camera));
+Result<std::shared_ptr<const Localiser>> Open(const mapping::MapDirectory& map,
+                                              const LocaliseArguments& arguments) {
+  WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
+  const LocaliserOptions options{
+      .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.memory_mb)};
+  WAYMARK_TRY_ASSIGN(auto localiser, Localiser::Create(map, release, options));
+  LogInfo("{}: epoch {}, {} submaps", arguments.map, release.epoch, release.submaps.size());
+  return localiser;
+}
+
+Result<void> LocaliseBurst(const LocaliseArguments& arguments, const mapping::MapDirectory& map,
+                           const std::optional<CameraModel>& camera) {
+  const auto& up = arguments.odometry_up;
+  WAYMARK_TRY_ASSIGN(const BurstRequest burst,
+                     internal::LoadBurst({.images = arguments.queries,
+                                          .odometry = arguments.odometry,
+                                          .camera = camera,
+                                          .up_in_odometry = {up[0], up[1], up[2]}}));
+  WAYMARK_TRY_ASSIGN(const auto localiser, Open(map, arguments));
+  const internal::LocalisedImage last{arguments.queries.back(), localiser->Localise(burst)};
+  WAYMARK_TRY(StoreFileAtomically(arguments.out, internal::EncodePoseTable({&last, 1})));
+  fmt::print("{}\n{}: {}\n", internal::Summarise({&last, 1}), last.name, last.answer.reason);
+  return {};
+}
+
+Result<void> LocaliseEach(const LocaliseArguments& arguments, const mapping::MapDirectory& map,
+                          const std::optional<CameraModel>& camera) {
+  if (arguments.queries.size() > 1) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "expected one QUERY, found {}: several images are a burst, with --odometry",
+                     arguments.queries.size());
   }
-  WAYMARK_TRY_ASSIGN(auto images, internal::FindQueryImages(arguments.query, camera));
+  WAYMARK_TRY_ASSIGN(auto images, internal::FindQueryImages(arguments.queries.front(), camera));
   if (!arguments.list.empty()) {
     WAYMARK_TRY_ASSIGN(images, internal::SelectListed(images, arguments.list));
   }
-  WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
-  WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  const LocaliserOptions localising{
-      .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.memory_mb)};
-  WAYMARK_TRY_ASSIGN(const auto localiser, Localiser::Create(map, release, localising));
-  LogInfo("{}: epoch {}, {} submaps; {} images to localise", arguments.map, release.epoch,
-          release.submaps.size(), images.size());
-
+  WAYMARK_TRY_ASSIGN(const auto localiser, Open(map, arguments));
   internal::BatchOptions options;
   options.parallelism.threads = arguments.threads;
   if (!arguments.no_prior && map.description().is_geo_aligned) {
@@ -70,29 +83,21 @@ Result<void> Localise(const Arguments& arguments) {
   return {};
 }
 
+Result<void> Localise(const LocaliseArguments& arguments) {
+  WAYMARK_TRY(CheckOutFolder(arguments.out));
+  std::optional<CameraModel> camera;
+  if (!arguments.camera.empty()) {
+    WAYMARK_TRY_ASSIGN(camera, internal::ParseCamera(arguments.camera));
+  }
+  WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
+  return arguments.odometry.empty() ? LocaliseEach(arguments, map, camera)
+                                    : LocaliseBurst(arguments, map, camera);
+}
+
 int Run(int argc, char** argv) {
   CLI::App app("Finds where images were taken in the live release of a map.");
-  app.footer(
-      "Examples:\n"
-      "  waymark-localise MAP DRIVE --out poses.csv                 a kapture folder, with its "
-      "GNSS\n"
-      "  waymark-localise MAP PHOTOS --out poses.csv --camera PINHOLE,640,480,520,520,320,240\n"
-      "Poses are map_from_camera: metres, quaternion x, y, z, w. The file appears when all is "
-      "done.\n"
-      "Exit status: 0 done (refused images have their status in the table), 1 failed.");
-  Arguments arguments;
-  app.add_option("MAP", arguments.map, "a map directory with a release")->required();
-  app.add_option("QUERY", arguments.query, "a kapture folder, or a folder of images")->required();
-  app.add_option("--out", arguments.out, "the table of poses, CSV")->required();
-  app.add_option("--camera", arguments.camera,
-                 "KIND,width,height,parameters; without it kapture's, or a guess from the size");
-  app.add_option("--images", arguments.list, "a text file that names the images to localise");
-  app.add_option("--threads", arguments.threads, "0: all cores")->check(CLI::Range(0, 1024));
-  app.add_option("--memory-mb", arguments.memory_mb,
-                 "budget of submaps in memory, in 10^6 bytes; 0: all of them")
-      ->check(CLI::Range(0.0, 1e9));
-  app.add_flag("--no-prior", arguments.no_prior, "search the whole map, whatever GNSS says");
-  app.add_flag("--verbose", arguments.verbose, "say of each refused image why");
+  LocaliseArguments arguments;
+  AddLocaliseOptions(app, arguments);
   CLI11_PARSE(app, argc, argv);
   const Result<void> done = Localise(arguments);
   if (done) return 0;

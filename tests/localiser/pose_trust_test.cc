@@ -25,6 +25,8 @@ ImageMatches MatchPlace(const RandomPlace& place, const Rigid3& viewpoint, std::
     const bool is_copied = matches.points_in_submap.size() >= first_copied;
     matches.pixels_px.push_back(*pixel_px);
     matches.points_in_submap.push_back(is_copied ? Eigen::Vector3d(landmark + copy_offset) : landmark);
+    matches.quality.push_back(0.5);
+    matches.landmarks.push_back(static_cast<std::uint32_t>(matches.landmarks.size()));
     if (matches.points_in_submap.size() == count) break;
   }
   return matches;

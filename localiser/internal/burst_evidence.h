@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "localiser/internal/image_matches.h"
+#include "mapping/estimation/absolute_pose.h"
+
+namespace waymark::localiser::internal {
+
+/// What a burst's pose rests on. Pictures of one thing are no independent witnesses: whoever is
+/// mistaken about it once will be again, so landmarks are counted, not matches.
+struct BurstEvidence {
+  std::size_t landmarks = 0;  ///< that inliers show
+  std::size_t images = 0;     ///< that show inliers
+  double median_distance = 0;  ///< from the last image to those landmarks, in the submap's units
+};
+
+/// Shapes: `pose` is that of the last camera, its inliers are indices of matches, at least one.
+BurstEvidence CountEvidence(const ImageMatches& matches, const mapping::AbsolutePose& pose);
+
+/// Why the pose is not to be trusted, with figures, by the limits for one image: how many landmarks
+/// agree, in how many parts of what the last camera would see with eyes all around, and how well
+/// they fix it.
+std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> cameras,
+                                                   const ImageMatches& matches,
+                                                   const mapping::AbsolutePose& pose,
+                                                   int min_landmarks, double max_error_px);
+
+}  // namespace waymark::localiser::internal
