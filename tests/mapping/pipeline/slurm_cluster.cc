@@ -86,7 +86,8 @@ bool SlurmCluster::IsInstalled() {
                              [](const char* name) { return !FindProgram(name).empty(); });
 }
 
-SlurmCluster::SlurmCluster(fs::path folder) : folder_(std::move(folder)) {
+SlurmCluster::SlurmCluster(fs::path folder, int cpus_of_node)
+    : folder_(std::move(folder)), cpus_of_node_(cpus_of_node) {
   for (const char* name : {"state", "log", "run", "munge", "spool.n1", "spool.n2"}) {
     fs::create_directories(folder_ / name);
   }
@@ -143,9 +144,9 @@ void SlurmCluster::WriteConfiguration() const {
       folder_.string(), user, port);
   for (std::size_t i = 0; i < kNodes.size(); ++i) {
     text += fmt::format(
-        "NodeName={} NodeHostname=localhost NodeAddr=127.0.0.1 Port={} CPUs=1 RealMemory=2000 "
+        "NodeName={} NodeHostname=localhost NodeAddr=127.0.0.1 Port={} CPUs={} RealMemory=2000 "
         "State=UNKNOWN\n",
-        kNodes[i], port + 1 + static_cast<int>(i));
+        kNodes[i], port + 1 + static_cast<int>(i), cpus_of_node_);
   }
   text += "PartitionName=main Nodes=n[1-2] Default=YES MaxTime=INFINITE State=UP\n";
   (void)StoreFileAtomically(folder_ / "slurm.conf", std::string_view(text));

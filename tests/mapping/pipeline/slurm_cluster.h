@@ -10,8 +10,8 @@
 
 namespace waymark::mapping {
 
-/// A real Slurm of our own on loopback, with two nodes of one processor each: authentication,
-/// controller and node daemons run as the user who runs the test and end with it.
+/// A real Slurm of our own on loopback, with two nodes: authentication, controller and node daemons
+/// run as the user who runs the test and end with it.
 class SlurmCluster {
  public:
   /// Whether this machine has Slurm's programs.
@@ -19,7 +19,7 @@ class SlurmCluster {
 
   /// Starts the daemons and waits until both nodes are idle; SLURM_CONF points at them until
   /// destruction. `folder` is made; its path must be short enough for a socket.
-  explicit SlurmCluster(std::filesystem::path folder);
+  explicit SlurmCluster(std::filesystem::path folder, int cpus_of_node = 1);
   ~SlurmCluster();
   SlurmCluster(const SlurmCluster&) = delete;
   SlurmCluster& operator=(const SlurmCluster&) = delete;
@@ -38,6 +38,7 @@ class SlurmCluster {
   void Start(const std::string& name, const std::vector<std::string>& words);
 
   std::filesystem::path folder_;
+  int cpus_of_node_;
   std::map<std::string, pid_t> daemons_;
   bool is_ready_ = false;
 };

@@ -102,6 +102,18 @@ TEST_F(Slurm, ANodeThatDiesAmidTheWorkChangesNothing) {
   EXPECT_FALSE(fs::exists(street_->MapFolder("clustered") / "experiences/drive/slurm"));
 }
 
+TEST_F(Slurm, SeveralThreadsInAJobChangeNothing) {
+  if (!SlurmCluster::IsInstalled()) GTEST_SKIP() << "slurmctld, slurmd and munge are not installed";
+  constexpr int kThreads = 3;  // more than the processors of many a machine, and odd
+  SlurmCluster cluster(fs::path("/tmp") / fmt::format("waymark-slurm-{}", ::getpid()), kThreads);
+  ASSERT_TRUE(cluster.is_ready());
+  AddRequest request = SlurmRequest("threaded");
+  request.slurm->threads = kThreads;
+  const auto report = AddExperiences(request);
+  ASSERT_TRUE(report.ok()) << ToString(report.error());
+  ExpectSameMap("threaded");
+}
+
 TEST_F(Slurm, ADetachedRunGoesOnByItself) {
   if (!SlurmCluster::IsInstalled()) GTEST_SKIP() << "slurmctld, slurmd and munge are not installed";
   ASSERT_EQ(CaptureProgram(AddWords("by_hand", "drive"))->status, 0);
