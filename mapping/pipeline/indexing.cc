@@ -103,6 +103,20 @@ Result<std::vector<ImageOutcome>> TakeImages(const Experience& experience, const
   return outcomes;
 }
 
+/// A picture that is the one before to the byte was not taken again: no two are without noise. A
+/// camera that hangs would put the vehicle where it was a while ago.
+void MarkRepeated(const Experience& experience, std::vector<ImageOutcome>& outcomes) {
+  std::map<std::string, std::size_t> last_of_camera;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const auto [last, is_first] = last_of_camera.try_emplace(experience.images[i].camera, i);
+    const std::size_t before = std::exchange(last->second, i);
+    if (is_first || outcomes[i].content != outcomes[before].content) continue;
+    outcomes[i].features.clear();
+    outcomes[i].unusable =
+        fmt::format("the same picture as {}: the camera hangs", experience.images[before].name);
+  }
+}
+
 }  // namespace
 
 Result<std::string> HashRecording(const Experience& experience, const Parallelism& parallelism,
@@ -125,7 +139,7 @@ Result<std::string> HashRecording(const Experience& experience, const Parallelis
 Result<ExperienceIndex> IndexExperience(const Experience& experience, const TangentPlane& map,
                                         const fs::path& folder, const FeatureOptions& options,
                                         const Parallelism& parallelism, Run& run) {
-  WAYMARK_TRY_ASSIGN(const std::vector<ImageOutcome> outcomes,
+  WAYMARK_TRY_ASSIGN(std::vector<ImageOutcome> outcomes,
                      TakeImages(experience, folder, options, parallelism, run));
   ExperienceIndex index{.id = experience.id, .features = HashFeatureOptions(options)};
   std::vector<std::string> contents;
@@ -138,6 +152,7 @@ Result<ExperienceIndex> IndexExperience(const Experience& experience, const Tang
     index.cameras.push_back(camera);
     index.mounts.push_back(FindMount(experience, id));
   }
+  MarkRepeated(experience, outcomes);
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const ImageRecord& record = experience.images[i];
     if (outcomes[i].features.empty()) {

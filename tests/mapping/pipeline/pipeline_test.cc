@@ -158,6 +158,19 @@ TEST_F(Pipeline, AnUndecodableImageIsLeftOut) {
   EXPECT_EQ(InspectExperiences(Map())->at(0).unusable, 1u);
 }
 
+TEST_F(Pipeline, PicturesOfACameraThatHangsAreLeftOut) {
+  MakeFacadeDrive(folder_ / "drive", {});
+  const fs::path pictures = folder_ / "drive/sensors/records_data";
+  for (const char* name : {"0004.png", "0005.png"}) {
+    fs::copy_file(pictures / "0003.png", pictures / name, fs::copy_options::overwrite_existing);
+  }
+  const auto report = Add({"drive"});
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  ASSERT_THAT(report->left_out, SizeIs(2));
+  EXPECT_EQ(report->left_out[0].name, "0004.png");
+  EXPECT_THAT(report->left_out[1].reason, HasSubstr("the same picture as 0004.png"));
+}
+
 TEST_F(Pipeline, AMissingImageOrAWrongLineIsOneErrorAndNoMap) {
   MakeFacadeDrive(folder_ / "drive", {.images = 3});
   fs::remove(folder_ / "drive/sensors/records_data/0001.png");
