@@ -6,6 +6,7 @@
 #include <atomic>
 
 #include "content_store/internal/sql_tables.h"
+#include "content_store/internal/sqlite_read_ahead.h"
 #include "content_store/internal/sqlite_session.h"
 #include "content_store/internal/sqlite_statements.h"
 
@@ -18,7 +19,11 @@ using soci::use;
 class SqliteTables final : public SqlTables {
  public:
   explicit SqliteTables(std::unique_ptr<SqliteSession> session)
-      : SqlTables(""), session_(std::move(session)), statements_(session_->sql()) {}
+      : SqlTables(""),
+        session_(std::move(session)),
+        statements_(session_->sql()),
+        read_ahead_(session_->name(),
+                    {.states = FindRoot("states"), .places = FindRoot("places_by_cell")}) {}
 
   const std::string& name() const override { return session_->name(); }
   Error Describe(const std::exception& exception) const override {
@@ -40,10 +45,14 @@ class SqliteTables final : public SqlTables {
   std::vector<LogRow> LoadStates(const std::vector<std::uint64_t>& revisions) override {
     std::vector<LogRow> rows;
     rows.reserve(revisions.size());
+    read_ahead_.WantStates(revisions);
     for (const std::uint64_t revision : revisions) statements_.AddState(revision, rows);
     return rows;
   }
   std::vector<Position> FindPlaces(const Scan& scan) override {
+    if (scan.room && scan.order == ScanOrder::kCell && scan.after == Position{}) {
+      read_ahead_.WantPlaces(scan.room->text(), scan.ranges);
+    }
     return statements_.FindPlaces(scan);
   }
   std::vector<LogRow> LoadLog(const std::optional<RoomId>& room, std::uint64_t after,
@@ -76,8 +85,16 @@ class SqliteTables final : public SqlTables {
  private:
   soci::session& sql() override { return session_->sql(); }
 
+  std::uint32_t FindRoot(const std::string& name) {
+    long long page = 0;
+    session_->sql() << "SELECT coalesce(max(rootpage), 0) FROM sqlite_master WHERE name = :name",
+        use(name), into(page);
+    return static_cast<std::uint32_t>(page);
+  }
+
   const std::unique_ptr<SqliteSession> session_;
   SqliteStatements statements_;  // goes before the session
+  SqliteReadAhead read_ahead_;
 };
 
 std::map<OwnerKey, Usage> SqliteTables::FindUsage(const std::vector<OwnerKey>& owners) {
