@@ -34,6 +34,7 @@ struct Arguments {
   std::size_t group = 256;
   std::size_t fill_group = 1000;
   std::string kept;
+  bool drop = false;
 };
 
 double ResidentMegabytes() {
@@ -144,6 +145,25 @@ void MeasureCold(const fs::path& file, const content::StoreOptions& options, con
   (void)writer.Stop();
 }
 
+/// Queries whose pages come from disk: the machine forgets all files every 25 queries.
+void MeasureDropped(content::AnchorStore& store, const City& city, const Arguments& arguments,
+                    std::uint64_t next) {
+  constexpr std::uint64_t kBetween = 25, kAsked = 1000;
+  const auto drop = [](std::uint64_t asked) {
+    if (asked % kBetween != 0) return;
+    ::sync();
+    std::ofstream("/proc/sys/vm/drop_caches") << "3\n";
+  };
+  const std::uint64_t rooms = std::max<std::uint64_t>(1, next / arguments.per_room);
+  const auto ask = [&](const char* what, std::uint64_t first) {
+    Print(what, MeasureQueries(store, city, rooms, first, kAsked, drop));
+  };
+  ask("alone, caches dropped every 25", std::uint64_t{1} << 33);
+  Writer writer(store, city, next, arguments.group);
+  ask("while one writes, likewise", std::uint64_t{1} << 34);
+  (void)writer.Stop();
+}
+
 /// A store that is kept: filled up, then asked.
 int MeasureKept(const Arguments& arguments) {
   const content::StoreOptions options{.limits = content::StoreLimits::None()};
@@ -158,6 +178,7 @@ int MeasureKept(const Arguments& arguments) {
     }
     fmt::print("{:>9} anchors\n", next);
     (void)MeasureAnswers(**store, city, arguments, next, next);  // places nobody asked for yet
+    if (arguments.drop) MeasureDropped(**store, city, arguments, next);
   }
   if (!content::IsPostgresLocation(arguments.kept)) {
     MeasureCold(arguments.kept, options, city, arguments, next);
@@ -176,6 +197,8 @@ int Run(int argc, char** argv) {
   app.add_option("--kept", arguments.kept,
                  "a store of this program, which is filled up to --anchors and kept: only its "
                  "queries are measured");
+  app.add_flag("--drop-caches", arguments.drop,
+               "with --kept, as root: also queries whose pages come from disk");
   CLI11_PARSE(app, argc, argv);
   if (!arguments.kept.empty()) return MeasureKept(arguments);
 
@@ -200,6 +223,7 @@ int Run(int argc, char** argv) {
                                            OpenRawPostgres(location, Facts::kSame)}
                                   : ByHand{OpenRawSqlite(folder / "row.db", Facts::kRow),
                                            OpenRawSqlite(folder / "same.db", Facts::kSame)};
+    Fill(by_hand, city, next, arguments.fill_group);
     std::uint64_t other = std::uint64_t{1} << 40;  // numbers that nobody has
     for (const std::size_t group : {std::size_t{16}, std::size_t{64}, arguments.group}) {
       other = CompareCreates(**store, by_hand, city, other, group);

@@ -59,6 +59,14 @@ void PrintFigures(std::size_t group, const Figures& rates, Figures processor_us)
 
 }  // namespace
 
+void Fill(const ByHand& by_hand, const City& city, std::uint64_t anchors, std::size_t group) {
+  for (std::uint64_t first = 0; first < anchors; first += group) {
+    const auto some = city.Group(first, std::min<std::uint64_t>(group, anchors - first));
+    by_hand.same->Create(some);
+    by_hand.row->Create(some);
+  }
+}
+
 std::uint64_t CompareCreates(content::AnchorStore& store, const ByHand& by_hand, const City& city,
                              std::uint64_t next, std::size_t group) {
   constexpr std::size_t kRounds = 9;

@@ -26,6 +26,10 @@ struct ByHand {
   std::unique_ptr<RawStore> row, same;
 };
 
+/// Gives both as many anchors as the store has, numbered from 0 on: an index that still fits the
+/// database's memory is another task than one that does not.
+void Fill(const ByHand& by_hand, const City& city, std::uint64_t anchors, std::size_t group);
+
 /// Prints how fast groups are created by the store and by hand. Rounds of all three, one after the
 /// other in turning order, so that a busy machine slows all. Anchors are numbered from `next` on;
 /// returns the next number.

@@ -13,12 +13,14 @@
 namespace waymark::bench {
 
 QueryFigures MeasureQueries(content::AnchorStore& store, const City& city, std::uint64_t rooms,
-                            std::uint64_t first, std::uint64_t count) {
+                            std::uint64_t first, std::uint64_t count,
+                            const BeforeQuery& before_query) {
   constexpr double kPage_bytes = 4096;
   std::vector<double> times_ms, running_ms;
   double answers = 0, reads = 0, disk_reads = 0;
   ThreadMeter meter;
   for (std::uint64_t i = first; i < first + count; ++i) {
+    if (before_query) before_query(i - first);
     const GeoPoint centre = city.Place(i);
     const RoomId room = city.Room(i * 7919 % rooms);
     const ThreadCounts before = meter.Read();
