@@ -49,7 +49,11 @@ int main(int argc, char **argv) {
   printf("state %d at %.2f %.2f %.2f\n", pose.state, pose.map_from_device.translation_m[0],
          pose.map_from_device.translation_m[1], pose.map_from_device.translation_m[2]);
 
-  WaymarkPlacement note = {sizeof note, 0, ahead, "note", "hello from C", 12};
+  WaymarkPlacement note = {.struct_size = sizeof note,
+                           .device_from_anchor = ahead,
+                           .kind = "note",
+                           .payload = "hello from C",
+                           .payload_bytes = 12};
   WaymarkAnchor placed = {.struct_size = sizeof placed};
   if (waymark_place_anchor(session, &note, &placed) != WAYMARK_OK) return Refused("anchor");
   printf("placed %s revision %llu\n", placed.anchor, (unsigned long long)placed.revision);

@@ -96,8 +96,8 @@ class Player {
   void PlaceAnchorWhenDue(double seconds) {
     if (options_.place_anchor_after_s < 0 || seconds < options_.place_anchor_after_s) return;
     if (replay_.placed || device_.Pose().state != localiser::AlignmentState::kFixed) return;
-    const auto anchor =
-        device_.PlaceAnchor(options_.device_from_anchor, options_.anchor_kind, "Meet me here");
+    const auto anchor = device_.PlaceAnchor(options_.device_from_anchor, options_.anchor_kind,
+                                            "Meet me here", options_.audience);
     if (anchor) {
       replay_.placed = anchor->id;
       NoteSighting(anchor->id, seconds);

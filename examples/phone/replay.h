@@ -33,6 +33,7 @@ struct AnchorSighting {
 struct ReplayOptions {
   double place_anchor_after_s = -1;  ///< seconds into the walk; negative: never
   std::string anchor_kind = "note";
+  content::AnchorVisibility audience = content::AnchorVisibility::kRoom;
   Transform<Device, Anchor> device_from_anchor;  ///< where the anchor goes, seen from the phone
 };
 

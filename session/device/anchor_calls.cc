@@ -19,6 +19,16 @@ Result<void> CheckContent(const std::string& kind, const std::string& payload) {
   return {};
 }
 
+/// An earlier server would show to the whole room what is for its owner alone.
+Result<void> CheckAudience(content::AnchorVisibility audience,
+                           const std::optional<Welcome>& welcome) {
+  if (audience == content::AnchorVisibility::kRoom) return {};
+  if (!welcome) return MakeError(ErrorCode::kUnavailable, "anchor: no server has answered yet");
+  if (welcome->protocol >= kAudienceProtocol) return {};
+  return MakeError(ErrorCode::kUnsupported,
+                   "anchor: the server is of a version whose anchors are all the room's");
+}
+
 }  // namespace
 
 Result<CommandReply> LiveSession::Perform(AnchorCommand command) {
@@ -34,14 +44,17 @@ Result<CommandReply> LiveSession::Perform(AnchorCommand command) {
 }
 
 Result<SharedAnchor> LiveSession::PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
-                                              const std::string& kind, const std::string& payload) {
+                                              const std::string& kind, const std::string& payload,
+                                              content::AnchorVisibility audience) {
   WAYMARK_TRY(CheckContent(kind, payload));
   AnchorCommand command{.operation = AnchorOperation::kCreate,
                         .anchor = AnchorId(FormatUuid(MakeUuid())),
                         .kind = kind,
-                        .payload = payload};
+                        .payload = payload,
+                        .visibility = audience};
   {
     const std::lock_guard lock(mutex_);
+    WAYMARK_TRY(CheckAudience(audience, join_.welcome()));
     const DevicePose pose = CurrentPose();
     if (!pose.map_from_device) {
       return MakeError(ErrorCode::kUnavailable,

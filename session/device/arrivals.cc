@@ -41,6 +41,7 @@ void LiveSession::On(const Welcome& welcome) {
   standing_.is_in = true;
   standing_.reason.clear();
   standing_.role = welcome.role;
+  standing_.owner = welcome.owner;
   if (welcome.is_return) ++standing_.returns;
   if (map_before.id != welcome.map.map || map_before.epoch != welcome.map.epoch) {
     tracker_.Reset();  // the fixes, if any, are in the frame of another release
@@ -50,7 +51,7 @@ void LiveSession::On(const Welcome& welcome) {
     last_swap_ = 0;
     images_.Abandon();  // who was asked is no more
   }
-  view_.StartRun(welcome.run, welcome.map.epoch);
+  view_.StartRun(welcome.run, welcome.map.epoch, welcome.protocol >= kAudienceProtocol);
 }
 
 void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, SessionNow()); }

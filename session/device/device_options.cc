@@ -39,6 +39,11 @@ Result<void> DeviceOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "token: expected at most {} bytes, found {}",
                      kMaxTokenBytes, token.size());
   }
+  if (owner_secret.size() > kMaxOwnerSecretBytes) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "owner's secret: expected at most {} bytes, found {}", kMaxOwnerSecretBytes,
+                     owner_secret.size());
+  }
   WAYMARK_TRY(correction.Validate());
   return alignment.Validate();
 }

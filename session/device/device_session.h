@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "content_store/anchor_record.h"
 #include "localiser/odometry_alignment.h"
 #include "mapping/base/id.h"
 #include "mapping/base/result.h"
@@ -58,6 +59,11 @@ struct DeviceOptions {
   std::string name = "phone";  ///< shown to the others
   /// What lets the phone in, from waymark-keys; empty where the server asks for none.
   std::string token = {};
+  /// What all phones of one owner know and nobody else, 16 random characters or more and at most
+  /// 128 bytes: what one of them places belongs to all. It goes to the server: where others can
+  /// listen (ws://, DDS without security) they learn it. Empty: what this phone places belongs to
+  /// it alone.
+  std::string owner_secret = {};
   std::chrono::duration<double> keyframe_interval{1.0};  ///< at most one image under way
   KeyframeSizes keyframe_sizes = KeyframeSizes::kAdaptive;
   int jpeg_quality = 85;  ///< of what is sent kAsTaken, [30, 100]
@@ -129,18 +135,21 @@ struct RoomStanding {
   bool is_in = true;        ///< false: sent away, or not let in again after a silence
   std::string reason = {};  ///< why it is not in
   Role role = Role::kMember;
+  std::string owner =
+      {};           ///< of what this phone places, see SharedAnchor; empty before the welcome
   int returns = 0;  ///< how often it was away for a while and came back as itself
 };
 
 struct SharedAnchor {
   AnchorId id;
-  DeviceId owner;
+  DeviceId owner;  ///< who placed it: a device, or "@…" for all that know its owner's secret
   Transform<Map, Anchor> map_from_anchor;
   std::uint64_t epoch = 0;
   std::uint64_t revision = 0;
   std::string kind;
   std::string payload;
   bool is_supported = true;  ///< false: none of the submaps it was seen in is left in the map
+  content::AnchorVisibility audience = content::AnchorVisibility::kRoom;
 };
 
 /// Where the time of a keyframe went that was localised, in milliseconds.
@@ -213,16 +222,23 @@ class DeviceSession {
   virtual Result<void> Readmit(const DeviceId& device) = 0;
   virtual Result<void> SetCapacity(int devices) = 0;
 
-  /// Places content relative to the phone's present pose. Waits for the durable acknowledgement.
+  /// Places content relative to the phone's present pose. Waits for the durable acknowledgement. A
+  /// private anchor is told to the phones of its owner in the room and to nobody else.
   /// Errors: Unavailable (never localised, no answer, or sent away), Conflict, InvalidArgument
-  /// (which viewers are told too).
+  /// (which viewers are told too), Unsupported (a server that knows no audiences).
   virtual Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
-                                           const std::string& kind, const std::string& payload) = 0;
+                                           const std::string& kind, const std::string& payload,
+                                           content::AnchorVisibility audience) = 0;
+  /// For the whole room.
+  Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
+                                   const std::string& kind, const std::string& payload) {
+    return PlaceAnchor(device_from_anchor, kind, payload, content::AnchorVisibility::kRoom);
+  }
   /// Errors: Conflict when someone else changed it first: FindAnchor has what stands; NotFound.
   virtual Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
                                           const Transform<Map, Anchor>& map_from_anchor) = 0;
   virtual Result<void> DeleteAnchor(const SharedAnchor& anchor) = 0;
-  /// All anchors of the room; complete once `HasSnapshot`.
+  /// All anchors of the room that this phone may see; complete once `HasSnapshot`.
   virtual std::vector<SharedAnchor> Anchors() const = 0;
   virtual std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const = 0;
   virtual bool HasSnapshot() const = 0;

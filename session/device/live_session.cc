@@ -94,7 +94,8 @@ void LiveSession::SendWhatIsDue() {
                             .attempt = join_.attempt(),
                             .room = options_.room,
                             .name = options_.name,
-                            .token = options_.token});
+                            .token = options_.token,
+                            .owner_secret = options_.owner_secret});
   }
   if (join_.TakeLongSilence(now)) {
     view_.BeginResync();

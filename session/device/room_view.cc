@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/device/room_view.h"
 
-#include "session/state/carrying.h"
-
 namespace waymark::session {
 namespace {
 
@@ -19,31 +17,25 @@ SharedAnchor ToShared(const RoomAnchor& anchor) {
           .revision = record.revision,
           .kind = record.kind,
           .payload = record.payload,
-          .is_supported = anchor.is_supported};
+          .is_supported = anchor.is_supported,
+          .audience = record.visibility};
 }
 
-void RoomView::StartRun(RunId run, std::uint64_t epoch) {
-  epoch_ = epoch;
-  for (auto& [id, held] : anchors_) held.shown = held.anchor;
+void RoomView::StartRun(RunId run, std::uint64_t epoch, bool tells_own) {
+  tells_own_ = tells_own;
+  for (AnchorShelf* const shelf : {&room_, &own_}) shelf->StartRun(run, epoch);
   if (run == run_) return;
   run_ = run;
-  has_snapshot_ = false;
   numbers_.clear();
-  of_run_ = {};
-  of_delivery_ = {};
   // What of the new run is here already, before its welcome.
   for (const auto& [device, other] : others_) {
     if (other.presence.run == run_) numbers_.emplace(other.presence.number, device);
   }
-  for (const auto& [id, held] : anchors_) Count(held, true);
-  CheckSnapshot();
 }
 
 void RoomView::BeginResync() {
   ++delivery_;
-  has_snapshot_ = false;
-  of_delivery_ = {};
-  CheckSnapshot();
+  for (AnchorShelf* const shelf : {&room_, &own_}) shelf->BeginResync();
 }
 
 // ---- others -----------------------------------------------------------------------------------
@@ -99,101 +91,55 @@ std::vector<OtherDevice> RoomView::Others(ServerTime now) const {
 
 // ---- anchors ----------------------------------------------------------------------------------
 
-void RoomView::Count(const HeldAnchor& held, bool is_added) {
-  if (held.run != run_) return;
-  const std::uint64_t digest = AnchorDigest(held.anchor.record.id, held.anchor.record.revision);
-  const auto count = [&](Tally& tally) {
-    tally.count += is_added ? 1 : -1;
-    tally.digest ^= digest;
-  };
-  count(of_run_);
-  if (held.delivery == delivery_) count(of_delivery_);
+AnchorShelf& RoomView::ShelfOf(const RoomAnchor& anchor) {
+  return anchor.record.visibility == content::AnchorVisibility::kPrivate ? own_ : room_;
 }
 
 void RoomView::CarryTo(std::uint64_t epoch, const Placements& placements) {
-  epoch_ = epoch;
-  for (auto& [id, held] : anchors_) {
-    if (held.anchor.record.epoch == epoch) {
-      held.shown = held.anchor;
-      continue;
-    }
-    const RoomAnchor carried = CarryAnchor(held.anchor.record, epoch, placements);
-    if (carried.is_supported) held.shown = carried;
+  for (AnchorShelf* const shelf : {&room_, &own_}) shelf->CarryTo(epoch, placements);
+}
+
+void RoomView::On(const AnchorState& state) { ShelfOf(state.anchor).Put(state.run, state.anchor); }
+
+void RoomView::OnOwnChange(const RoomAnchor& anchor) { ShelfOf(anchor).PutOwnChange(anchor); }
+
+void RoomView::OnGone(const AnchorId& anchor, std::optional<bool> is_own) {
+  if (is_own.value_or(own_.Find(anchor) != nullptr)) {
+    own_.Remove(anchor);
+  } else {
+    room_.Remove(anchor);
   }
-}
-
-void RoomView::Hold(RunId run, const RoomAnchor& anchor) {
-  const AnchorId& id = anchor.record.id;
-  RoomAnchor shown = anchor;
-  if (const auto found = anchors_.find(id); found != anchors_.end()) {
-    // Another run than the present one is the next one, whose welcome is still on its way.
-    const bool is_older =
-        found->second.run == run && found->second.anchor.record.revision > anchor.record.revision;
-    if (is_older) return;
-    Count(found->second, false);
-    // In the frame of a release that this device has not heard of yet: it would seem to jump.
-    const bool is_early = anchor.record.epoch != epoch_ && found->second.run == run;
-    if (is_early) shown = found->second.shown;
-  }
-  const HeldAnchor held{run, anchor, std::move(shown), delivery_};
-  Count(held, true);
-  anchors_.insert_or_assign(id, held);
-}
-
-void RoomView::On(const AnchorState& state) {
-  deleted_.erase(state.anchor.record.id);
-  Hold(state.run, state.anchor);
-  CheckSnapshot();
-}
-
-void RoomView::OnOwnChange(const RoomAnchor& anchor) {
-  if (deleted_.contains(anchor.record.id)) return;
-  Hold(run_, anchor);
-  CheckSnapshot();
-}
-
-void RoomView::OnGone(const AnchorId& anchor) {
-  deleted_.insert(anchor);
-  const auto found = anchors_.find(anchor);
-  if (found == anchors_.end()) return;
-  Count(found->second, false);
-  anchors_.erase(found);
-  CheckSnapshot();
 }
 
 void RoomView::On(const RoomState& state) {
-  room_ = state;
-  CheckSnapshot();
+  room_.Expect(state.run, {state.anchor_count, state.anchor_digest});
 }
 
-bool RoomView::Agrees(const Tally& tally) const {
-  return tally.count == room_->anchor_count && tally.digest == room_->anchor_digest;
-}
-
-void RoomView::CheckSnapshot() {
-  if (!room_ || room_->run != run_) return;
-  const bool all_agree = Agrees(of_run_);
-  if (!all_agree && !Agrees(of_delivery_)) return;
-  has_snapshot_ = true;
-  if (!all_agree) of_run_ = of_delivery_;
-  if (anchors_.size() == of_run_.count) return;
-  std::erase_if(anchors_, [&](const auto& entry) {
-    const HeldAnchor& held = entry.second;
-    return held.run != run_ || (!all_agree && held.delivery != delivery_);
-  });
+void RoomView::On(const OwnerState& state) {
+  own_.Expect(state.run, {state.anchor_count, state.anchor_digest});
 }
 
 std::vector<SharedAnchor> RoomView::Anchors() const {
   std::vector<SharedAnchor> anchors;
-  anchors.reserve(anchors_.size());
-  for (const auto& [id, held] : anchors_) anchors.push_back(ToShared(held.shown));
+  anchors.reserve(room_.anchors().size() + own_.anchors().size());
+  for (const AnchorShelf* const shelf : {&room_, &own_}) {
+    for (const auto& [id, held] : shelf->anchors()) {
+      auto latest = FindAnchor(id);  // on both while it goes from one to the other
+      if (latest && latest->audience == held.shown.record.visibility) {
+        anchors.push_back(*std::move(latest));
+      }
+    }
+  }
   return anchors;
 }
 
 std::optional<SharedAnchor> RoomView::FindAnchor(const AnchorId& anchor) const {
-  const auto found = anchors_.find(anchor);
-  if (found == anchors_.end()) return std::nullopt;
-  return ToShared(found->second.shown);
+  const AnchorShelf::Held* const shared = room_.Find(anchor);
+  const AnchorShelf::Held* const own = own_.Find(anchor);
+  if (shared == nullptr && own == nullptr) return std::nullopt;
+  const bool is_own = shared == nullptr || (own != nullptr && own->anchor.record.revision >
+                                                                  shared->anchor.record.revision);
+  return ToShared(is_own ? own->shown : shared->shown);
 }
 
 }  // namespace waymark::session

@@ -27,7 +27,7 @@ extern "C" {
  *           with the camera, as device_from_camera says. Radians except where a name says degrees.
  * Time.     Nanoseconds of the one clock that the app stamps odometry and frames with. */
 
-#define WAYMARK_ABI_VERSION 2
+#define WAYMARK_ABI_VERSION 3
 #define WAYMARK_ID_BYTES 40    /* of an id in text, with its final NUL */
 #define WAYMARK_NAME_BYTES 72  /* likewise of a device's name, */
 #define WAYMARK_TEXT_BYTES 256 /* of an anchor's kind, and of a reason */
@@ -66,8 +66,9 @@ int64_t waymark_steady_time_ns(void);
 
 WaymarkStatus waymark_options_create(WaymarkOptions* options);
 /* Options by name; NOT_FOUND lists them. Texts, UTF-8: "server" (host on DDS, or wss://HOST:PORT of
- * a gateway), "room", "name", "token", "id" (UUID to join as), "authority_file", "security_folder",
- * "tile_folder" (a small map to localise against while the server is away). */
+ * a gateway), "room", "name", "token", "id" (UUID to join as), "owner_secret" (what all phones of
+ * one owner know and nobody else: what one places belongs to all), "authority_file",
+ * "security_folder", "tile_folder" (a small map to localise against while the server is away). */
 WaymarkStatus waymark_options_set_text(WaymarkOptions options, const char* name, const char* text);
 /* Numbers: "dds_domain", "keyframe_interval_s", "request_timeout_s", "adaptive_images" (0 or 1),
  * "jpeg_quality", "sent_features" (so many are sent instead of pixels; 0: pixels),
@@ -91,6 +92,7 @@ typedef struct WaymarkStanding {
   uint64_t epoch;       /* of the map release that is live */
   char device[WAYMARK_ID_BYTES];
   char reason[WAYMARK_TEXT_BYTES]; /* why it is not in */
+  char owner[WAYMARK_ID_BYTES];    /* of what this phone places; 3 */
 } WaymarkStanding;
 WaymarkStatus waymark_standing(WaymarkSession session, WaymarkStanding* standing);
 
@@ -175,6 +177,10 @@ WaymarkStatus waymark_others(WaymarkSession session, WaymarkOther* others, size_
 
 /* ---- anchors ------------------------------------------------------------------------------- */
 
+/* Who is told of an anchor: all in the room, or the phones of its owner there alone. Public ones
+ * may also be asked for from elsewhere. */
+enum { WAYMARK_FOR_ROOM = 0, WAYMARK_FOR_OWNER = 1, WAYMARK_PUBLIC = 2 };
+
 typedef struct WaymarkAnchor {
   uint32_t struct_size;
   int32_t is_supported; /* 0: nothing that it was seen in is left in the map */
@@ -185,6 +191,8 @@ typedef struct WaymarkAnchor {
   char anchor[WAYMARK_ID_BYTES];
   char owner[WAYMARK_ID_BYTES];
   char kind[WAYMARK_TEXT_BYTES];
+  int32_t audience;  /* WAYMARK_FOR_ROOM, …; 3 */
+  uint32_t reserved; /* 0 */
 } WaymarkAnchor;
 
 typedef struct WaymarkPlacement {
@@ -194,6 +202,8 @@ typedef struct WaymarkPlacement {
   const char* kind;
   const void* payload;    /* may be NULL with 0 bytes */
   uint64_t payload_bytes; /* at most 65,536 */
+  int32_t audience;       /* WAYMARK_FOR_ROOM, …; 3 */
+  uint32_t reserved_2;    /* 0 */
 } WaymarkPlacement;
 /* Each waits until the change is durable. `now`, which may be NULL, is what stands then; also with
  * CONFLICT, if anything does (else its revision is 0). UNAVAILABLE: never localised, no answer. */

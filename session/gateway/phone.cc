@@ -6,6 +6,7 @@
 
 #include "mapping/base/log.h"
 #include "session/gateway/room.h"
+#include "session/keys/owner.h"
 #include "session/wire/frames.h"
 
 namespace waymark::session::internal {
@@ -104,8 +105,9 @@ void Phone::Say(wire::Upward message) {
 
 void Phone::OnHello(Hello hello) {
   if (hello_) {
-    if (hello.device != hello_->device || hello.room != hello_->room) {
-      return Close("another device or room");
+    if (hello.device != hello_->device || hello.room != hello_->room ||
+        hello.owner_secret != hello_->owner_secret) {
+      return Close("another device, owner or room");
     }
     attempt_ = hello.attempt;
     return Say(std::move(hello));
@@ -119,12 +121,14 @@ void Phone::OnHello(Hello hello) {
     LogWarning("{}: {}", peer(), ToString(room.error()));
     return Close(room.error().message);
   }
+  owner_ = keys::OwnerOf(hello.owner_secret);
+  if (owner_.empty()) owner_ = hello.device.text();
   hello_ = hello;
   {
     const std::lock_guard lock(mutex_);
     room_ = *room;
   }
-  (*room)->ListenFor(hello.device, shared_from_this());
+  (*room)->ListenFor(hello.device, owner_, shared_from_this());
   Say(std::move(hello));
 }
 

@@ -65,6 +65,8 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::optional<DeviceId> device() const {
     return hello_ ? std::optional(hello_->device) : std::nullopt;
   }
+  /// Whose device it is; requires device().
+  const std::string& owner() const { return owner_; }
   /// Where it stands; requires device().
   const RoomId& room() const { return hello_->room; }
   /// As whom the server knows it, and where it looks; zeros before that is known.
@@ -108,6 +110,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::atomic<std::uint32_t> attempt_ = 0;  // of its latest Hello
   std::atomic<bool> is_accepted_ = false, is_refused_ = false;
   std::optional<Hello> hello_;  // the first
+  std::string owner_;
 
   mutable std::mutex mutex_;
   // Guarded by mutex_.

@@ -24,9 +24,10 @@ void Room::Enter(const PhonePtr& phone) {
   waiting_.insert(phone);
 }
 
-void Room::ListenFor(const DeviceId& device, const PhonePtr& phone) {
+void Room::ListenFor(const DeviceId& device, const std::string& owner, const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
   by_device_.emplace(device, phone);
+  by_owner_.emplace(owner, phone);
 }
 
 void Room::Admit(const PhonePtr& phone) {
@@ -38,6 +39,10 @@ void Room::Admit(const PhonePtr& phone) {
   tell(map_);
   for (const auto& [device, word] : presences_) tell(word);
   for (const auto& [anchor, word] : anchors_) tell(word);
+  if (const auto own = own_.find(phone->owner()); own != own_.end()) {
+    for (const auto& [anchor, word] : own->second.anchors) tell(word);
+    tell(own->second.state);
+  }
   tell(state_);
   phones_.emplace(phone, PoseRelay::Listener(DeviceNumber{}));
 }
@@ -46,7 +51,10 @@ bool Room::Leave(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
   waiting_.erase(phone);
   phones_.erase(phone);
-  std::erase_if(by_device_, [&](const auto& entry) { return entry.second == phone; });
+  const auto is_its = [&](const auto& entry) { return entry.second == phone; };
+  std::erase_if(by_device_, is_its);
+  std::erase_if(by_owner_, is_its);
+  std::erase_if(own_, [&](const auto& entry) { return !by_owner_.contains(entry.first); });
   return phones_.empty() && waiting_.empty();
 }
 
@@ -78,6 +86,7 @@ void Room::Hear(const wire::Downward& message) {
   const bool is_poses = std::holds_alternative<PoseBatch>(message);
   const wire::SharedFrame frame = is_poses ? nullptr : wire::Share(wire::EncodeFrame(message));
   const std::lock_guard lock(mutex_);
+  if (HearOwn(message, frame)) return;
   std::visit(
       [&](const auto& content) {
         if constexpr (requires { On(content, frame); }) On(content, frame);
@@ -110,6 +119,7 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
     const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
     std::erase_if(presences_, is_over);
     std::erase_if(anchors_, is_over);
+    for (auto& [owner, words] : own_) std::erase_if(words.anchors, is_over);
     if (map_.run != state.run) map_ = {};
   }
   state_ = {state.run, frame};
@@ -120,7 +130,52 @@ void Room::ForgetWords() {
   const std::lock_guard lock(mutex_);
   presences_.clear();
   anchors_.clear();
+  own_.clear();
   state_ = map_ = {};
+}
+
+// ---- what an owner alone may see --------------------------------------------------------------
+
+bool Room::HearOwn(const wire::Downward& message, const wire::SharedFrame& frame) {
+  if (const auto* const state = std::get_if<AnchorState>(&message)) {
+    if (state->anchor.record.visibility != content::AnchorVisibility::kPrivate) return false;
+    OnOwn(*state, frame);
+  } else if (const auto* const gone = std::get_if<wire::AnchorGone>(&message)) {
+    if (!gone->is_own) return false;
+    OnOwn(*gone, frame);
+  } else if (const auto* const of_owner = std::get_if<OwnerState>(&message)) {
+    OnOwn(*of_owner, frame);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+void Room::OnOwn(const AnchorState& state, const wire::SharedFrame& frame) {
+  const std::string& owner = state.anchor.record.owner;
+  if (!by_owner_.contains(owner)) return;  // its phones are at other gateways
+  own_[owner].anchors.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
+  TellOwner(owner, frame);
+}
+
+void Room::OnOwn(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
+  for (auto& [owner, words] : own_) {
+    if (words.anchors.erase(gone.anchor) > 0) TellOwner(owner, frame);
+  }
+}
+
+void Room::OnOwn(const OwnerState& state, const wire::SharedFrame& frame) {
+  if (!by_owner_.contains(state.owner)) return;
+  own_[state.owner].state = {state.run, frame};
+  TellOwner(state.owner, frame);
+}
+
+// Only those whom the server has let in: others may say what they like of themselves.
+void Room::TellOwner(const std::string& owner, const wire::SharedFrame& frame) {
+  const auto [begin, end] = by_owner_.equal_range(owner);
+  for (auto entry = begin; entry != end; ++entry) {
+    if (phones_.contains(entry->second)) entry->second->Tell(frame, std::nullopt);
+  }
 }
 
 // ---- poses ------------------------------------------------------------------------------------

@@ -25,8 +25,9 @@ class Room : public std::enable_shared_from_this<Room> {
 
   /// The phone waits at the door: it keeps the room open and is told nothing.
   void Enter(const PhonePtr& phone);
-  /// From now on it hears what is said to its device alone, until it leaves.
-  void ListenFor(const DeviceId& device, const PhonePtr& phone);
+  /// From now on it hears what is said to its device alone, until it leaves; and what is said to
+  /// its owner's devices is kept for it until it is admitted.
+  void ListenFor(const DeviceId& device, const std::string& owner, const PhonePtr& phone);
   /// From now on it is told what the room is told, after all that still holds of what was; unless
   /// it left meanwhile.
   void Admit(const PhonePtr& phone);
@@ -42,6 +43,12 @@ class Room : public std::enable_shared_from_this<Room> {
     wire::SharedFrame frame;
   };
 
+  /// The last words on what an owner alone may see.
+  struct OwnWords {
+    std::map<AnchorId, Word> anchors;
+    Word state;
+  };
+
   Room(const RelayOptions& relay, socket::SocketLoop& loop) : loop_(loop), relay_(relay) {}
 
   // On DDS threads.
@@ -50,6 +57,11 @@ class Room : public std::enable_shared_from_this<Room> {
   void On(const PoseBatch& batch, const wire::SharedFrame&);
   void On(const Presence& presence, const wire::SharedFrame& frame);
   void On(const wire::DeviceGone& gone, const wire::SharedFrame& frame);
+  void OnOwn(const AnchorState& state, const wire::SharedFrame& frame);
+  void OnOwn(const wire::AnchorGone& gone, const wire::SharedFrame& frame);
+  void OnOwn(const OwnerState& state, const wire::SharedFrame& frame);
+  bool HearOwn(const wire::Downward& message, const wire::SharedFrame& frame);
+  void TellOwner(const std::string& owner, const wire::SharedFrame& frame);
   void On(const AnchorState& state, const wire::SharedFrame& frame);
   void On(const wire::AnchorGone& gone, const wire::SharedFrame& frame);
   void On(const RoomState& state, const wire::SharedFrame& frame);
@@ -72,6 +84,8 @@ class Room : public std::enable_shared_from_this<Room> {
   std::map<DeviceId, Word> presences_;
   std::map<AnchorId, Word> anchors_;
   Word state_, map_;
+  std::multimap<std::string, PhonePtr> by_owner_;
+  std::map<std::string, OwnWords> own_;  // of owners who have a phone here
 
   std::unique_ptr<wire::RoomLine> line_;  // last: its threads use all of the above
 };

@@ -56,6 +56,7 @@ void Publisher::Do(const effect::SendWelcome& effect, ServerTime now) {
   if (open == open_devices_.end() || open->second != effect.room || has_moved) {
     if (open_devices_.size() >= kMaxOpenDevices) return;
     if (is_refused && closing_devices_.size() >= kMaxRefusedDevices) return;
+    owners_.Forget(device);
     const Result<void> opened = bus_.OpenDevice(effect.room, device);
     if (!opened.ok()) return LogFailure(opened);
     open_devices_.insert_or_assign(device, effect.room);
@@ -173,12 +174,14 @@ void Publisher::Tend(ServerTime now) {
       ++device;
       continue;
     }
+    owners_.Forget(device->first);
     bus_.CloseDevice(device->first);
     open_devices_.erase(device->first);
     device = closing_devices_.erase(device);
   }
   Forget(withdrawn_devices_, now);
   Forget(withdrawn_anchors_, now);
+  owners_.Tend(now, kMemoryOfEnds);
 }
 
 template <typename Key>

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "session/server/owner_publisher.h"
 #include "session/server/server.h"
 #include "session/state/events.h"
 #include "session/state/pose_relay.h"
@@ -22,7 +23,11 @@ class Publisher {
 
   /// `clock` stamps what is sent when it is sent: a tick for many devices takes a while.
   Publisher(wire::ServerBus& bus, const RelayOptions& relay, ServerCounters& counters, Clock clock)
-      : bus_(bus), relay_options_(relay), counters_(counters), clock_(std::move(clock)) {}
+      : bus_(bus),
+        relay_options_(relay),
+        counters_(counters),
+        clock_(std::move(clock)),
+        owners_(bus) {}
 
   void Do(const effect::OpenRoom& effect, ServerTime now);
   void Do(const effect::CloseRoom& effect, ServerTime now);
@@ -37,6 +42,8 @@ class Publisher {
   void Do(const effect::PublishMapState& effect, ServerTime now);
   void Do(const effect::ReportSwap& effect, ServerTime now);
   void Do(const effect::SendReply& effect, ServerTime now);
+  void Do(const effect::SendOwn& effect, ServerTime now) { owners_.Do(effect, now); }
+  void Do(const effect::SendOwnChange& effect, ServerTime now) { owners_.Do(effect, now); }
 
   /// Closes and forgets what has been over for long enough.
   void Tend(ServerTime now);
@@ -68,6 +75,7 @@ class Publisher {
   std::map<DeviceId, ServerTime> closing_devices_;  // since when
   Withdrawn<DeviceId> withdrawn_devices_;
   Withdrawn<AnchorId> withdrawn_anchors_;
+  OwnerPublisher owners_;
 };
 
 }  // namespace waymark::session

@@ -4,6 +4,7 @@
 #include <random>
 #include <utility>
 
+#include "session/keys/owner.h"
 #include "session/server/attachments.h"
 
 namespace waymark::session {
@@ -142,7 +143,9 @@ void Server::Loop::Handle(Item& item) {
 void Server::Loop::On(Hello hello, ServerTime) {
   event::Permit permit{.role = open_role_};
   if (door_) permit = door_->Check(hello, WallNow(), Now());
+  permit.owner = keys::OwnerOf(hello.owner_secret);
   hello.token.clear();
+  hello.owner_secret.clear();
   Apply(event::HelloReceived{std::move(hello), Ticket{RandomBits()}, std::move(permit)});
 }
 

@@ -13,19 +13,31 @@ bool IsDone(AnchorOperation operation, const content::AnchorRecord& intended,
   const bool same_pose = IsSamePose(intended.map_from_anchor, current.map_from_anchor);
   if (operation == AnchorOperation::kMove) return same_pose;
   return operation == AnchorOperation::kCreate && same_pose && intended.kind == current.kind &&
-         intended.payload == current.payload && intended.owner == current.owner;
+         intended.payload == current.payload && intended.owner == current.owner &&
+         intended.visibility == current.visibility;
 }
 
 content::AnchorRecord NewRecord(const AnchorCommand& command, const RoomMember& member) {
   return {.id = command.anchor,
           .room = member.room,
-          .owner = member.device.text(),
+          .owner = member.owner(),
           .map_from_anchor = command.map_from_anchor,
           .epoch = command.epoch,
           .attachments = {},
           .place = {},
           .kind = command.kind,
-          .payload = command.payload};
+          .payload = command.payload,
+          .visibility = command.visibility};
+}
+
+/// Whether there is no place for one more. Those on their way to the store may be of any kind.
+bool IsFull(const Room& room, const content::AnchorRecord& record, const AnchorRules& rules) {
+  const std::size_t under_way = room.writes_under_way;
+  if (IsForTheRoom(record)) return room.shared.anchors.size() + under_way >= rules.max_anchors;
+  const auto own = room.own.find(record.owner);
+  const std::size_t held = own == room.own.end() ? 0 : own->second.anchors.size();
+  return held + under_way >= rules.max_own_anchors ||
+         room.OwnCount() + under_way >= rules.max_anchors;
 }
 
 std::variant<CommandVerdict, IntendedWrite> DecideCreation(const AnchorCommand& command,
@@ -33,14 +45,16 @@ std::variant<CommandVerdict, IntendedWrite> DecideCreation(const AnchorCommand& 
                                                            const Room& room,
                                                            const AnchorRules& rules) {
   const content::AnchorRecord record = NewRecord(command, member);
-  if (const auto found = room.anchors.find(command.anchor); found != room.anchors.end()) {
-    return DecideConflict(AnchorOperation::kCreate, record, found->second);
+  if (const RoomAnchor* const found = room.Find(command.anchor, member.owner())) {
+    return DecideConflict(AnchorOperation::kCreate, record, *found);
   }
-  if (room.anchors.size() + room.writes_under_way >= rules.max_anchors) {
-    return CommandVerdict{
-        CommandOutcome::kInvalid,
-        fmt::format("room {}: holds its {} anchors already", member.room.text(), rules.max_anchors),
-        std::nullopt};
+  if (IsFull(room, record, rules)) {
+    const bool is_shared = IsForTheRoom(record);
+    return CommandVerdict{CommandOutcome::kInvalid,
+                          fmt::format("room {}: holds its {} {}anchors already", member.room.text(),
+                                      is_shared ? rules.max_anchors : rules.max_own_anchors,
+                                      is_shared ? "" : "private "),
+                          std::nullopt};
   }
   return IntendedWrite{record, 0};
 }
@@ -49,11 +63,11 @@ std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& co
                                                          const RoomMember& member, const Room& room,
                                                          const RoomAnchor& current,
                                                          const AnchorRules& rules) {
-  const std::string& device = member.device.text();
+  const std::string& owner = member.owner();
   const bool may_edit =
       MayModerate(member.role()) ||
-      (content::MayEdit(current.record, member.room, device) &&
-       (rules.rights == AnchorRights::kEveryone || current.record.owner == device));
+      (content::MayEdit(current.record, member.room, owner) &&
+       (rules.rights == AnchorRights::kEveryone || current.record.owner == owner));
   if (!may_edit) {
     return CommandVerdict{
         CommandOutcome::kInvalid,
@@ -67,7 +81,9 @@ std::variant<CommandVerdict, IntendedWrite> DecideChange(const AnchorCommand& co
     record.attachments.clear();
     record.unsupported_since_epoch.reset();
   }
-  if (!room.IsUpToDate(current, command.expected_revision)) {
+  const AnchorSet& set =
+      IsForTheRoom(current.record) ? room.shared : room.own.at(current.record.owner);
+  if (!set.IsUpToDate(current, command.expected_revision)) {
     return DecideConflict(command.operation, record, current);
   }
   return IntendedWrite{std::move(record), current.record.revision};
@@ -99,14 +115,14 @@ std::variant<CommandVerdict, IntendedWrite> DecideCommand(const AnchorCommand& c
   if (command.operation == AnchorOperation::kCreate) {
     return DecideCreation(command, member, room, rules);
   }
-  const auto found = room.anchors.find(command.anchor);
-  if (found == room.anchors.end()) {
+  const RoomAnchor* const found = room.Find(command.anchor, member.owner());
+  if (found == nullptr) {
     return CommandVerdict{
         CommandOutcome::kNotFound,
         fmt::format("anchor {}: room {} has none", command.anchor.text(), member.room.text()),
         std::nullopt};
   }
-  return DecideChange(command, member, room, found->second, rules);
+  return DecideChange(command, member, room, *found, rules);
 }
 
 CommandVerdict DecideConflict(AnchorOperation operation, const content::AnchorRecord& intended,

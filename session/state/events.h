@@ -28,9 +28,10 @@ struct Permit {
   std::string token_key = {};       ///< names the key that signed it
   bool is_for_this_device = false;  ///< as opposed to any
   std::optional<ServerTime> until = {};  ///< then it ends
+  std::string owner = {};                ///< of what the device places; empty: the device itself
 };
-/// `fresh_ticket` is random and unused so far; it is taken only if the device is new. The token
-/// itself is not in `hello` any more.
+/// `fresh_ticket` is random and unused so far; it is taken only if the device is new. Token and
+/// owner's secret are not in `hello` any more.
 struct HelloReceived {
   Hello hello;
   Ticket fresh_ticket{};
@@ -172,6 +173,19 @@ struct WriteAnchor {
 struct SendReply {
   CommandReply reply;
 };
+/// What a device's owner alone may see: all of it. What it was told before and is not in it is
+/// over.
+struct SendOwn {
+  DeviceId device;
+  std::vector<AnchorState> anchors;
+  OwnerState state;
+};
+/// One change of it: an anchor as it is now, or that it is over.
+struct SendOwnChange {
+  DeviceId device;
+  std::variant<AnchorState, AnchorId> change;
+  OwnerState state;
+};
 
 }  // namespace effect
 
@@ -180,6 +194,6 @@ using Effect =
                  effect::CloseDevice, effect::PublishPresence, effect::WithdrawPresence,
                  effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
                  effect::PublishRoomState, effect::PublishMapState, effect::ReportSwap,
-                 effect::WriteAnchor, effect::SendReply>;
+                 effect::WriteAnchor, effect::SendReply, effect::SendOwn, effect::SendOwnChange>;
 
 }  // namespace waymark::session

@@ -24,13 +24,16 @@
 /// What devices and the server say to each other, as plain values; idl/README.md has the topics.
 namespace waymark::session {
 
-inline constexpr std::uint32_t kProtocol = 1;
+inline constexpr std::uint32_t kProtocol = 2;
+/// Since this one anchors have an audience, and owners are told theirs.
+inline constexpr std::uint32_t kAudienceProtocol = 2;
 
 // Nothing that arrives may exceed these; the store and the bus rely on them.
 inline constexpr std::size_t kMaxNameBytes = 64;
 inline constexpr std::size_t kMaxKindBytes = 255;
 inline constexpr std::size_t kMaxReasonBytes = 255;
 inline constexpr std::size_t kMaxTokenBytes = 512;
+inline constexpr std::size_t kMaxOwnerSecretBytes = 128;
 inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
 inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
@@ -45,10 +48,11 @@ enum class RequestNumber : std::uint32_t {};  ///< of a localisation, counted by
 struct Hello {
   DeviceId device;  ///< UUID, chosen by the device and kept for its life
   std::uint32_t protocol = kProtocol;
-  std::uint32_t attempt = 1;  ///< grows with every join of this device
-  RoomId room;                ///< 1 to 64 of A-Z a-z 0-9 _ -
-  std::string name;           ///< at most 64 bytes of printable UTF-8
-  std::string token = {};     ///< see session/keys/token.h; never kept, logged or recorded
+  std::uint32_t attempt = 1;      ///< grows with every join of this device
+  RoomId room;                    ///< 1 to 64 of A-Z a-z 0-9 _ -
+  std::string name;               ///< at most 64 bytes of printable UTF-8
+  std::string token = {};         ///< see session/keys/token.h; never kept, logged or recorded
+  std::string owner_secret = {};  ///< see session/keys/owner.h; likewise
 };
 
 /// kRemoved ends what an earlier welcome began.
@@ -73,7 +77,9 @@ struct Welcome {
   MapIdentity map = {};
   ServerTime session_time = {};
   Role role = Role::kMember;
-  bool is_return = false;  ///< it was here shortly before, and is itself again
+  bool is_return = false;              ///< it was here shortly before, and is itself again
+  std::uint32_t protocol = kProtocol;  ///< of the server
+  std::string owner = {};              ///< of what the device places
 };
 
 struct Presence {
@@ -161,6 +167,7 @@ struct AnchorCommand {
   std::vector<SubmapId> seen_in = {};  ///< submaps of the fixes it stands on, best first
   std::string kind = {};               ///< create
   std::string payload = {};            ///< create
+  content::AnchorVisibility visibility = content::AnchorVisibility::kRoom;  ///< create
 };
 
 enum class CommandOutcome : std::uint8_t {
@@ -188,9 +195,19 @@ struct RoomState {
   std::uint64_t epoch = 1;
   std::uint32_t anchor_count = 0;
   std::uint64_t anchor_digest = 0;  ///< XOR of AnchorDigest over the anchors
+
+  friend bool operator==(const RoomState&, const RoomState&) = default;
 };
 
-/// What an anchor in this state adds to the digest of its room.
+/// Of an owner's private anchors in a room, told to its devices alone.
+struct OwnerState {
+  std::string owner;
+  RunId run{};
+  std::uint32_t anchor_count = 0;
+  std::uint64_t anchor_digest = 0;
+};
+
+/// What an anchor in this state adds to the digest of its room or owner.
 std::uint64_t AnchorDigest(const AnchorId& anchor, std::uint64_t revision);
 
 // ---- releases ---------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b
          a.expires_utc_ms == b.expires_utc_ms;
 }
 
-void Room::Put(const RoomAnchor& anchor) {
+void AnchorSet::Put(const RoomAnchor& anchor) {
   const std::uint64_t new_revision = anchor.record.revision;
   if (const auto found = anchors.find(anchor.record.id); found != anchors.end()) {
     const std::uint64_t known_revision = found->second.record.revision;
@@ -40,20 +40,44 @@ void Room::Put(const RoomAnchor& anchor) {
   revision = std::max(revision, new_revision);
 }
 
-void Room::Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion) {
-  if (const auto found = anchors.find(anchor); found != anchors.end()) {
-    digest ^= AnchorDigest(anchor, found->second.record.revision);
-    anchors.erase(found);
-    same_since.erase(anchor);
-  }
+bool AnchorSet::Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion) {
+  const auto found = anchors.find(anchor);
+  if (found == anchors.end()) return false;
+  digest ^= AnchorDigest(anchor, found->second.record.revision);
+  anchors.erase(found);
+  same_since.erase(anchor);
   revision = std::max(revision, revision_of_deletion);
+  return true;
 }
 
-bool Room::IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const {
+bool AnchorSet::IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const {
   const std::uint64_t latest = anchor.record.revision;
   const auto same = same_since.find(anchor.record.id);
   const std::uint64_t first = same == same_since.end() ? latest : same->second;
   return first <= known_revision && known_revision <= latest;
+}
+
+const RoomAnchor* Room::Find(const AnchorId& anchor, const std::string& owner) const {
+  const auto find_in = [&](const AnchorSet& set) {
+    const auto found = set.anchors.find(anchor);
+    return found == set.anchors.end() ? nullptr : &found->second;
+  };
+  if (const RoomAnchor* const found = find_in(shared)) return found;
+  const auto mine = own.find(owner);
+  return mine == own.end() ? nullptr : find_in(mine->second);
+}
+
+const RoomAnchor* Room::Find(const AnchorId& anchor) const {
+  for (const auto& [owner, set] : own) {
+    if (set.anchors.contains(anchor)) return Find(anchor, owner);
+  }
+  return Find(anchor, "");
+}
+
+std::size_t Room::OwnCount() const {
+  std::size_t count = 0;
+  for (const auto& [owner, set] : own) count += set.anchors.size();
+  return count;
 }
 
 }  // namespace waymark::session

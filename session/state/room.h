@@ -29,8 +29,12 @@ struct RoomMember {
   std::deque<CommandReply> answered;  ///< oldest first, for repetitions
   std::uint32_t attempt = 0;          ///< of the latest Hello
   event::Permit permit = {};          ///< that it came with
+  ServerTime own_told = {};           ///< when it was told all that its owner alone may see
+  bool is_own_due = false;            ///< it is to be told anew
 
   Role role() const { return permit.role; }
+  /// Of what it places.
+  const std::string& owner() const { return permit.owner.empty() ? device.text() : permit.owner; }
 };
 
 /// A device that a moderator removed from a room.
@@ -44,32 +48,46 @@ bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b
 /// Whether two states of an anchor are the same to people: at most its submaps differ.
 bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b);
 
-/// A room in memory. Its anchors are those that the store has acknowledged and all may see.
-struct Room {
-  bool is_open = false;                       ///< false: its anchors are being read
-  std::vector<event::HelloReceived> waiting;  ///< while not open
-  std::set<DeviceId> members;
-  std::vector<DeviceId> poses_due;  ///< some of them may have left since
-  std::uint32_t poses_told = 0;     ///< in which tick
-  std::set<DeviceId> away;          ///< silent for a while; their seats are kept
-  std::uint32_t capacity = 0;       ///< devices that it holds; set when it is opened
+/// Anchors that the store has acknowledged and the same people may see.
+struct AnchorSet {
   std::map<AnchorId, RoomAnchor> anchors;
   std::uint64_t revision = 0;
   std::uint64_t digest = 0;
-  std::size_t writes_under_way = 0;
-  std::uint64_t followed = 0;                ///< up to here the store's feed has told everything
-  std::set<AnchorId> removed;                ///< deleted here; the feed has not told it yet
-  std::vector<content::AnchorChange> early;  ///< told while not open
   /// Since which revision people see an anchor as it is: later ones only attached it anew.
   std::map<AnchorId, std::uint64_t> same_since;
-  ServerTime last_used;
 
   /// Brings an anchor to the state that the store acknowledged; a later state wins. States are
   /// compared, so both must be in the live map.
   void Put(const RoomAnchor& anchor);
-  void Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion);
+  /// Whether it was there.
+  bool Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion);
   /// Whether who knows this revision of an anchor knows it as it is.
   bool IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const;
+};
+
+/// A room in memory.
+struct Room {
+  bool is_open = false;                       ///< false: its anchors are being read
+  std::vector<event::HelloReceived> waiting;  ///< while not open
+  std::set<DeviceId> members;
+  std::vector<DeviceId> poses_due;       ///< some of them may have left since
+  std::uint32_t poses_told = 0;          ///< in which tick
+  std::set<DeviceId> away;               ///< silent for a while; their seats are kept
+  std::uint32_t capacity = 0;            ///< devices that it holds; set when it is opened
+  AnchorSet shared;                      ///< seen by all
+  std::map<std::string, AnchorSet> own;  ///< by owner: seen by its devices alone
+  std::optional<RoomState> told;         ///< the latest
+  std::size_t writes_under_way = 0;
+  std::uint64_t followed = 0;                ///< up to here the store's feed has told everything
+  std::set<AnchorId> removed;                ///< deleted here; the feed has not told it yet
+  std::vector<content::AnchorChange> early;  ///< told while not open
+  ServerTime last_used;
+
+  /// The anchor as an owner may see it.
+  const RoomAnchor* Find(const AnchorId& anchor, const std::string& owner) const;
+  /// What holds it, whoever may see it; null: nothing.
+  const RoomAnchor* Find(const AnchorId& anchor) const;
+  std::size_t OwnCount() const;  ///< of all owners
 };
 
 }  // namespace waymark::session

@@ -22,9 +22,8 @@ void SessionState::On(const event::CommandReceived& event, Step& step) {
                    [&](const CommandReply& reply) { return reply.request == command.request; });
   if (answered != member->answered.end()) {
     CommandReply reply = *answered;
-    const auto& anchors = rooms_.at(member->room).anchors;
-    const auto current = anchors.find(reply.anchor);
-    if (current != anchors.end()) reply.current = current->second;
+    const RoomAnchor* const current = rooms_.at(member->room).Find(reply.anchor, member->owner());
+    if (current != nullptr) reply.current = *current;
     step.effects.push_back(effect::SendReply{std::move(reply)});
     return;
   }
@@ -40,9 +39,11 @@ void SessionState::On(const event::CommandReceived& event, Step& step) {
     return;
   }
   Room& room = rooms_.at(member->room);
-  auto decision = DecideCommand(
-      command, *member, room,
-      {.rights = options_.rights, .max_anchors = options_.max_anchors, .live_epoch = map_.epoch});
+  auto decision = DecideCommand(command, *member, room,
+                                {.rights = options_.rights,
+                                 .max_anchors = options_.max_anchors,
+                                 .max_own_anchors = options_.max_own_anchors,
+                                 .live_epoch = map_.epoch});
   if (const auto* verdict = std::get_if<CommandVerdict>(&decision)) {
     return Answer(*member, command.request, command.anchor, *verdict, step);
   }
@@ -55,8 +56,8 @@ void SessionState::On(const event::CommandReceived& event, Step& step) {
                                              .seen_in = command.seen_in});
   member->under_way.insert(command.request);
   ++room.writes_under_way;
-  writes_.emplace(number, PendingWrite{member->device, command.request, command.operation,
-                                       std::move(intended.record)});
+  writes_.emplace(number, PendingWrite{member->device, member->owner(), command.request,
+                                       command.operation, std::move(intended.record)});
 }
 
 void SessionState::On(const event::WriteFinished& event, Step& step) {
@@ -78,10 +79,15 @@ void SessionState::On(const event::WriteFinished& event, Step& step) {
     if (write.operation != AnchorOperation::kDelete) verdict.current = written;
   } else {
     auto current = std::get<event::WriteFinished::Conflict>(*event.outcome).current;
-    if (current) current = InLiveMap(*current);
+    const bool is_seen =
+        current && (IsForTheRoom(current->record) || current->record.owner == write.owner);
+    if (is_seen) {
+      current = InLiveMap(*current);
+    } else {
+      current.reset();
+    }
     verdict = DecideConflict(write.operation, write.intended, current);
   }
-  if (verdict.current && !IsForTheRoom(verdict.current->record)) verdict.current.reset();
   RoomMember* const member = FindKnown(write.device);
   if (member == nullptr) return;  // left meanwhile; what was written stays
   member->under_way.erase(write.request);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the store's change feed tells: writes of other servers, expiry, and once more our own.
+// What the store's change feed tells: writes of other servers, expiry, and once more our own. Who
+// is shown it.
 #include "session/state/session_state.h"
 
 namespace waymark::session {
@@ -12,43 +13,105 @@ void SessionState::On(const event::StoreChanged& event, Step& step) {
     Room& room = found->second;
     if (!room.is_open) {
       room.early.push_back(change);  // what is being read may or may not have it
-    } else if (Follow(room, change, step)) {
-      changed.insert(change.room);
+      continue;
     }
+    Follow(room, change, step);
+    changed.insert(change.room);
   }
   for (const RoomId& id : changed) PublishState(id, rooms_.at(id), step);
 }
 
-// Whether that was news.
-bool SessionState::Follow(Room& room, const content::AnchorChange& change, Step& step) {
-  if (change.revision <= room.followed) return false;
+void SessionState::Follow(Room& room, const content::AnchorChange& change, Step& step) {
+  if (change.revision <= room.followed) return;
   room.followed = change.revision;
-  const auto known = room.anchors.find(change.id);
-  const bool is_known =
-      room.removed.contains(change.id) ||
-      (known != room.anchors.end() && known->second.record.revision >= change.revision);
+  const RoomAnchor* const known = room.Find(change.id);
+  const bool is_known = room.removed.contains(change.id) ||
+                        (known != nullptr && known->record.revision >= change.revision);
   if (!change.record) {
     room.removed.erase(change.id);
     Hide(room, change.room, change.id, change.revision, step);
   } else if (!is_known) {
     Show(room, InLiveMap(*change.record), step);
   }
-  return !is_known;
 }
 
-/// An anchor that became its owner's alone goes from the others' eyes.
+/// An anchor that became its owner's alone goes from the others' eyes, and the other way round.
 void SessionState::Show(Room& room, const RoomAnchor& anchor, Step& step) {
   const content::AnchorRecord& record = anchor.record;
-  if (!IsForTheRoom(record)) return Hide(room, record.room, record.id, record.revision, step);
-  room.Put(anchor);
+  if (!IsForTheRoom(record)) {
+    HideShared(room, record.room, record.id, record.revision, step);
+    return ShowOwn(room, anchor, step);
+  }
+  HideOwn(room, record.id, record.revision, step);
+  room.shared.Put(anchor);
   step.effects.push_back(effect::PublishAnchor{record.room, AnchorState{run_, anchor}});
 }
 
 void SessionState::Hide(Room& room, const RoomId& id, const AnchorId& anchor,
                         std::uint64_t revision, Step& step) {
-  const bool is_shown = room.anchors.contains(anchor);
-  room.Remove(anchor, revision);
-  if (is_shown) step.effects.push_back(effect::WithdrawAnchor{id, anchor});
+  HideShared(room, id, anchor, revision, step);
+  HideOwn(room, anchor, revision, step);
+}
+
+void SessionState::HideShared(Room& room, const RoomId& id, const AnchorId& anchor,
+                              std::uint64_t revision, Step& step) {
+  if (!room.shared.Remove(anchor, revision)) return;
+  step.effects.push_back(effect::WithdrawAnchor{id, anchor});
+}
+
+// ---- what an owner alone may see --------------------------------------------------------------
+
+void SessionState::ShowOwn(Room& room, const RoomAnchor& anchor, Step& step) {
+  const std::string& owner = anchor.record.owner;
+  room.own[owner].Put(anchor);
+  TellOwnChange(room, owner, AnchorState{run_, anchor}, step);
+}
+
+void SessionState::HideOwn(Room& room, const AnchorId& anchor, std::uint64_t revision, Step& step) {
+  for (auto set = room.own.begin(); set != room.own.end(); ++set) {
+    if (!set->second.Remove(anchor, revision)) continue;
+    TellOwnChange(room, set->first, anchor, step);
+    if (set->second.anchors.empty()) room.own.erase(set);
+    return;
+  }
+}
+
+OwnerState SessionState::StateOf(const Room& room, const std::string& owner) const {
+  const auto own = room.own.find(owner);
+  if (own == room.own.end()) return {.owner = owner, .run = run_};
+  return {.owner = owner,
+          .run = run_,
+          .anchor_count = static_cast<std::uint32_t>(own->second.anchors.size()),
+          .anchor_digest = own->second.digest};
+}
+
+void SessionState::TellOwnChange(const Room& room, const std::string& owner,
+                                 const std::variant<AnchorState, AnchorId>& change, Step& step) {
+  for (const DeviceId& device : room.members) {
+    if (members_.at(device).owner() != owner) continue;
+    step.effects.push_back(effect::SendOwnChange{device, change, StateOf(room, owner)});
+  }
+}
+
+void SessionState::TellOwn(RoomMember& member, Step& step) {
+  const Room& room = rooms_.at(member.room);
+  member.own_told = step.now;
+  member.is_own_due = false;
+  effect::SendOwn all{member.device, {}, StateOf(room, member.owner())};
+  if (const auto own = room.own.find(member.owner()); own != room.own.end()) {
+    for (const auto& [id, anchor] : own->second.anchors) {
+      all.anchors.push_back(AnchorState{run_, anchor});
+    }
+  }
+  step.effects.push_back(std::move(all));
+}
+
+// Whoever says Hello again may have found another way to hear, but a flood of them costs no more.
+void SessionState::TellOwnDue(Step& step) {
+  constexpr std::chrono::seconds kInterval{1};
+  for (auto& [device, member] : members_) {
+    if (member.is_own_due && step.now - member.own_told >= kInterval) TellOwn(member, step);
+  }
 }
 
 }  // namespace waymark::session

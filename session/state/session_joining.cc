@@ -96,7 +96,8 @@ void SessionState::Seat(RoomMember member, bool is_return, Step& step) {
   room.last_used = step.now;
   tickets_.emplace(member.ticket, member.device);
   const DeviceId device = member.device;
-  members_.emplace(device, std::move(member));
+  RoomMember& seated = members_.emplace(device, std::move(member)).first->second;
+  TellOwn(seated, step);
 }
 
 void SessionState::Greet(const RoomMember& member, bool is_return, Step& step) {
@@ -110,7 +111,8 @@ void SessionState::Greet(const RoomMember& member, bool is_return, Step& step) {
                                                                   .map = map_,
                                                                   .session_time = step.now,
                                                                   .role = member.role(),
-                                                                  .is_return = is_return}});
+                                                                  .is_return = is_return,
+                                                                  .owner = member.owner()}});
 }
 
 void SessionState::Announce(const RoomMember& member, Step& step) {
@@ -151,7 +153,7 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
   room.is_open = true;
   room.capacity = static_cast<std::uint32_t>(options_.max_members);
   room.waiting.clear();
-  room.revision = room.followed = *event.revision;
+  room.shared.revision = room.followed = *event.revision;
   step.effects.push_back(effect::OpenRoom{event.room});
   for (const RoomAnchor& loaded : event.anchors) Show(room, InLiveMap(loaded), step);
   for (const content::AnchorChange& change : std::exchange(room.early, {})) {

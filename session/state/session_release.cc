@@ -26,13 +26,24 @@ void SessionState::On(const event::ReleaseSwapped& event, Step& step) {
   effect::ReportSwap report{.epoch = event.epoch};
   for (auto& [id, room] : rooms_) {
     if (!room.is_open) continue;  // its anchors are carried when they have been read
-    PublishMap(id, room, step);
-    for (auto& [anchor_id, anchor] : room.anchors) {
+    const auto carry = [&](RoomAnchor& anchor) {
       const Eigen::Vector3d was = anchor.record.map_from_anchor.translation();
       anchor = InLiveMap(anchor);
       const double motion_m = (anchor.record.map_from_anchor.translation() - was).norm();
       report.max_motion_m = std::max(report.max_motion_m, motion_m);
       ++(anchor.is_supported ? report.carried : report.unsupported);
+    };
+    // First, so that they wait on the device for the map's state, which is told to all and does not
+    // say what they hold on to.
+    for (auto& [owner, set] : room.own) {
+      for (auto& [anchor_id, anchor] : set.anchors) {
+        carry(anchor);
+        TellOwnChange(room, owner, AnchorState{run_, anchor}, step);
+      }
+    }
+    PublishMap(id, room, step);
+    for (auto& [anchor_id, anchor] : room.shared.anchors) {
+      carry(anchor);
       step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, anchor}});
     }
     PublishState(id, room, step);
@@ -54,7 +65,7 @@ void SessionState::PublishMap(const RoomId& id, const Room& room, Step& step) {
   for (const DeviceId& device : room.members) {
     std::ranges::for_each(members_.at(device).found_in, add);
   }
-  for (const auto& [anchor_id, anchor] : room.anchors) {
+  for (const auto& [anchor_id, anchor] : room.shared.anchors) {
     for (const content::SubmapAttachment& attachment : anchor.record.attachments) {
       add(attachment.submap);
     }

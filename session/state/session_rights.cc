@@ -21,17 +21,21 @@ std::optional<std::string> SessionState::FindObjection(const event::HelloReceive
                                                        ServerTime now) const {
   if (!event.permit.refusal.empty()) return event.permit.refusal;
   if (auto ban = FindBan(event, now)) return ban;
-  // A token for any device is no proof of being this one, if another token has said so before.
-  const auto proves_less = [&](const event::Permit& known) {
-    return event.permit.token_id != known.token_id && !event.permit.is_for_this_device;
-  };
+  // A token for any device is no proof of being this one, if another token has said so before; nor
+  // is its name, if it has another owner.
   const DeviceId& device = event.hello.device;
+  const std::string& owner = event.permit.owner.empty() ? device.text() : event.permit.owner;
+  const auto proves_less = [&](const RoomMember& known) {
+    const bool is_by_less =
+        event.permit.token_id != known.permit.token_id && !event.permit.is_for_this_device;
+    return is_by_less || owner != known.owner();
+  };
   const auto member = members_.find(device);
   const auto away = away_.find(device);
-  const bool is_taken = (member != members_.end() && proves_less(member->second.permit)) ||
-                        (away != away_.end() && proves_less(away->second.member.permit));
+  const bool is_taken = (member != members_.end() && proves_less(member->second)) ||
+                        (away != away_.end() && proves_less(away->second.member));
   if (!is_taken) return std::nullopt;
-  return fmt::format("device {}: is here by another token", device.text());
+  return fmt::format("device {}: is here by another token or owner", device.text());
 }
 
 std::optional<std::string> SessionState::FindBan(const event::HelloReceived& event,
@@ -54,6 +58,7 @@ void SessionState::Renew(RoomMember& member, const event::HelloReceived& event, 
   member.attempt = event.hello.attempt;
   member.permit = event.permit;
   Greet(member, true, step);
+  member.is_own_due = true;
   if (member.role() == before) return;
   if (!MaySharePose(member.role())) {
     member.pose.reset();

@@ -80,6 +80,7 @@ void SessionState::LookAround(Step& step) {
   EndPermits(step);
   ForgetAbsent(step);
   CloseIdleRooms(step);
+  TellOwnDue(step);
   for (auto& [device, member] : members_) {
     const bool is_told_long_ago = step.now - member.pose_published > options_.pose_repeat;
     if (member.pose && is_told_long_ago) WantPublished(member);
@@ -121,14 +122,17 @@ void SessionState::PublishPoses(const RoomId& id, Room& room, Step& step) {
       .room = id, .run = run_, .tick = tick_, .epoch = map_.epoch, .poses = std::move(poses)});
 }
 
-void SessionState::PublishState(const RoomId& id, const Room& room, Step& step) {
-  step.effects.push_back(effect::PublishRoomState{
-      RoomState{.room = id,
-                .run = run_,
-                .revision = room.revision,
-                .epoch = map_.epoch,
-                .anchor_count = static_cast<std::uint32_t>(room.anchors.size()),
-                .anchor_digest = room.digest}});
+// What is told already is not told again: that something private changed is nobody else's concern.
+void SessionState::PublishState(const RoomId& id, Room& room, Step& step) {
+  const RoomState state{.room = id,
+                        .run = run_,
+                        .revision = room.shared.revision,
+                        .epoch = map_.epoch,
+                        .anchor_count = static_cast<std::uint32_t>(room.shared.anchors.size()),
+                        .anchor_digest = room.shared.digest};
+  if (room.told == state) return;
+  room.told = state;
+  step.effects.push_back(effect::PublishRoomState{state});
 }
 
 }  // namespace waymark::session

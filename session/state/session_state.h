@@ -28,7 +28,8 @@ struct StateOptions {
   std::chrono::nanoseconds max_clock_error = std::chrono::seconds(10);    ///< of a pose's time
   std::size_t max_rooms = 64;
   std::size_t max_members = 1024;          ///< of a room; moderators may set less
-  std::size_t max_anchors = 20'000;        ///< of a room
+  std::size_t max_anchors = 20'000;        ///< of a room; and private ones of all its owners
+  std::size_t max_own_anchors = 1'000;     ///< private ones of an owner in a room
   std::size_t max_writes_per_device = 32;  ///< waiting for the store
   AnchorRights rights = AnchorRights::kEveryone;
   RoomOpening opening = RoomOpening::kEveryone;
@@ -62,6 +63,7 @@ class SessionState {
   };
   struct PendingWrite {
     DeviceId device;
+    std::string owner;  // of the device
     Uuid request;
     AnchorOperation operation;
     content::AnchorRecord intended;
@@ -106,12 +108,21 @@ class SessionState {
   void CloseIdleRooms(Step& step);
   void WantPublished(RoomMember& member);
   void PublishPoses(const RoomId& id, Room& room, Step& step);
-  void PublishState(const RoomId& id, const Room& room, Step& step);
+  void PublishState(const RoomId& id, Room& room, Step& step);
   void PublishMap(const RoomId& id, const Room& room, Step& step);
-  bool Follow(Room& room, const content::AnchorChange& change, Step& step);
+  void Follow(Room& room, const content::AnchorChange& change, Step& step);
   void Show(Room& room, const RoomAnchor& anchor, Step& step);
   void Hide(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
             Step& step);
+  void ShowOwn(Room& room, const RoomAnchor& anchor, Step& step);
+  void HideOwn(Room& room, const AnchorId& anchor, std::uint64_t revision, Step& step);
+  void HideShared(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
+                  Step& step);
+  void TellOwnChange(const Room& room, const std::string& owner,
+                     const std::variant<AnchorState, AnchorId>& change, Step& step);
+  void TellOwn(RoomMember& member, Step& step);
+  void TellOwnDue(Step& step);
+  OwnerState StateOf(const Room& room, const std::string& owner) const;
   RoomAnchor InLiveMap(const content::AnchorRecord& record) const;
   RoomAnchor InLiveMap(const RoomAnchor& anchor) const;
   AnchorCommand InLiveMap(const AnchorCommand& command) const;

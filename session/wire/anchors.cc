@@ -17,6 +17,31 @@ Result<void> CheckCount(std::size_t count, std::size_t max_count, std::string_vi
   return CheckRange(static_cast<double>(count), 0, static_cast<double>(max_count), field);
 }
 
+// The room's is the wire's 0: what an older writer leaves out.
+waymark_AnchorAudience EncodeAudience(content::AnchorVisibility visibility) {
+  switch (visibility) {
+    case content::AnchorVisibility::kPrivate:
+      return waymark_AUDIENCE_PRIVATE;
+    case content::AnchorVisibility::kPublic:
+      return waymark_AUDIENCE_PUBLIC;
+    case content::AnchorVisibility::kRoom:
+      break;
+  }
+  return waymark_AUDIENCE_ROOM;
+}
+
+Result<content::AnchorVisibility> DecodeAudience(waymark_AnchorAudience audience) {
+  switch (audience) {
+    case waymark_AUDIENCE_ROOM:
+      return content::AnchorVisibility::kRoom;
+    case waymark_AUDIENCE_PRIVATE:
+      return content::AnchorVisibility::kPrivate;
+    case waymark_AUDIENCE_PUBLIC:
+      return content::AnchorVisibility::kPublic;
+  }
+  return MakeError(ErrorCode::kInvalidArgument, "audience: expected room, private or public");
+}
+
 waymark_AnchorContent EncodeContent(const RoomAnchor& anchor, Scratch& scratch) {
   const content::AnchorRecord& record = anchor.record;
   waymark_AnchorContent wire{};
@@ -35,6 +60,7 @@ waymark_AnchorContent EncodeContent(const RoomAnchor& anchor, Scratch& scratch) 
   PointTo(wire.attachments, attachments, count);
   SetText(wire.kind, record.kind);
   PointToBytes(wire.payload, record.payload);
+  wire.audience = EncodeAudience(record.visibility);
   return wire;
 }
 
@@ -43,6 +69,7 @@ Result<RoomAnchor> DecodeContent(const waymark_AnchorContent& wire, const Anchor
                      DecodePose(wire.map_from_anchor, "map_from_anchor"));
   const auto payload = Items(wire.payload);
   const auto attachments = Items(wire.attachments);
+  WAYMARK_TRY_ASSIGN(const auto visibility, DecodeAudience(wire.audience));
   WAYMARK_TRY(CheckCount(payload.size(), kMaxPayloadBytes, "payload bytes"));
   WAYMARK_TRY(CheckCount(attachments.size(), kMaxAttachments, "attachments"));
   RoomAnchor result{.record = {.id = anchor,
@@ -54,7 +81,8 @@ Result<RoomAnchor> DecodeContent(const waymark_AnchorContent& wire, const Anchor
                                .place = {},
                                .kind = GetText(wire.kind),
                                .payload = GetBytes(payload),
-                               .revision = wire.revision},
+                               .revision = wire.revision,
+                               .visibility = visibility},
                     .is_supported = wire.is_supported};
   for (const waymark_SubmapAttachment& attachment : attachments) {
     const SubmapId submap(GetText(attachment.submap));
@@ -81,6 +109,17 @@ Result<AnchorState> Decode(const waymark_AnchorState& wire) {
   return AnchorState{.run = RunId{wire.run}, .anchor = std::move(anchor)};
 }
 
+waymark_AnchorState AnchorKey(const AnchorId& anchor, bool is_private) {
+  waymark_AnchorState key{};
+  SetId(key.anchor, anchor);
+  if (is_private) key.content.audience = waymark_AUDIENCE_PRIVATE;
+  return key;
+}
+
+bool IsPrivate(const waymark_AnchorState& wire) {
+  return wire.content.audience == waymark_AUDIENCE_PRIVATE;
+}
+
 waymark_AnchorCommand Encode(const AnchorCommand& command, Scratch& scratch) {
   waymark_AnchorCommand wire{};
   wire.ticket = static_cast<std::uint64_t>(command.ticket);
@@ -96,6 +135,7 @@ waymark_AnchorCommand Encode(const AnchorCommand& command, Scratch& scratch) {
   PointTo(wire.seen_in, submaps, count);
   SetText(wire.kind, command.kind);
   PointToBytes(wire.payload, command.payload);
+  wire.audience = EncodeAudience(command.visibility);
   return wire;
 }
 
@@ -107,6 +147,7 @@ Result<AnchorCommand> Decode(const waymark_AnchorCommand& wire) {
   const auto payload = Items(wire.payload);
   WAYMARK_TRY(CheckCount(payload.size(), kMaxPayloadBytes, "payload bytes"));
   WAYMARK_TRY(CheckCount(Items(wire.seen_in).size(), kMaxAttachments, "submaps"));
+  WAYMARK_TRY_ASSIGN(const auto visibility, DecodeAudience(wire.audience));
   AnchorCommand command{.ticket = Ticket{wire.ticket},
                         .request = GetUuid(wire.request),
                         .operation = operation,
@@ -116,7 +157,8 @@ Result<AnchorCommand> Decode(const waymark_AnchorCommand& wire) {
                         .map_from_anchor = Transform<Map, Anchor>(map_from_anchor),
                         .seen_in = {},
                         .kind = GetText(wire.kind),
-                        .payload = GetBytes(payload)};
+                        .payload = GetBytes(payload),
+                        .visibility = visibility};
   WAYMARK_TRY(CheckText(command.kind, kMaxKindBytes, "kind"));
   for (const waymark_SubmapName& name : Items(wire.seen_in)) {
     command.seen_in.emplace_back(GetText(name.submap));
@@ -173,6 +215,24 @@ Result<RoomState> Decode(const waymark_RoomState& wire) {
                   .anchor_count = wire.anchor_count,
                   .anchor_digest = wire.anchor_digest};
   WAYMARK_TRY(CheckName(state.room.text(), "room"));
+  return state;
+}
+
+waymark_OwnerState Encode(const OwnerState& state, Scratch&) {
+  waymark_OwnerState wire{};
+  SetText(wire.owner, state.owner);
+  wire.run = static_cast<std::uint64_t>(state.run);
+  wire.anchor_count = state.anchor_count;
+  wire.anchor_digest = state.anchor_digest;
+  return wire;
+}
+
+Result<OwnerState> Decode(const waymark_OwnerState& wire) {
+  OwnerState state{.owner = GetText(wire.owner),
+                   .run = RunId{wire.run},
+                   .anchor_count = wire.anchor_count,
+                   .anchor_digest = wire.anchor_digest};
+  WAYMARK_TRY(CheckText(state.owner, kMaxNameBytes, "owner"));
   return state;
 }
 

@@ -47,6 +47,8 @@ template <>
 inline constexpr std::uint8_t kKind<MapState> = 24;
 template <>
 inline constexpr std::uint8_t kKind<ClockPong> = 25;
+template <>
+inline constexpr std::uint8_t kKind<OwnerState> = 27;
 
 template <typename Message>
 std::vector<std::uint8_t> EncodeWire(const WireOf<Message>& wire, bool is_end) {
@@ -75,9 +77,7 @@ struct Encoder {
     return EncodeWire<Presence>(key, true);
   }
   std::vector<std::uint8_t> operator()(const AnchorGone& gone) const {
-    waymark_AnchorState key{};
-    SetId(key.anchor, gone.anchor);
-    return EncodeWire<AnchorState>(key, true);
+    return EncodeWire<AnchorState>(AnchorKey(gone.anchor, gone.is_own), true);
   }
 };
 
@@ -156,7 +156,7 @@ Result<Downward> DecodeDownward(std::span<const std::uint8_t> frame) {
         return Downward(DeviceGone{GetId<DeviceId>(key.device)});
       })
       .TryWith<AnchorState>([](const waymark_AnchorState& key) -> Result<Downward> {
-        return Downward(AnchorGone{GetId<AnchorId>(key.anchor)});
+        return Downward(AnchorGone{GetId<AnchorId>(key.anchor), IsPrivate(key)});
       })
       .Try<Welcome>()
       .Try<PoseBatch>()
@@ -165,6 +165,7 @@ Result<Downward> DecodeDownward(std::span<const std::uint8_t> frame) {
       .Try<RoomState>()
       .Try<MapState>()
       .Try<ClockPong>()
+      .Try<OwnerState>()
       .Take();
 }
 

@@ -11,6 +11,7 @@ waymark_Hello Encode(const Hello& hello, Scratch&) {
   SetText(wire.room, hello.room.text());
   SetText(wire.name, hello.name);
   SetText(wire.token, hello.token);
+  SetText(wire.owner_secret, hello.owner_secret);
   return wire;
 }
 
@@ -22,7 +23,8 @@ Result<Hello> Decode(const waymark_Hello& wire) {
               .attempt = wire.attempt,
               .room = RoomId(GetText(wire.room)),
               .name = GetText(wire.name),
-              .token = GetText(wire.token)};
+              .token = GetText(wire.token),
+              .owner_secret = GetText(wire.owner_secret)};
   WAYMARK_TRY(CheckName(hello.room.text(), "room"));
   WAYMARK_TRY(CheckText(hello.name, kMaxNameBytes, "device name"));
   return hello;
@@ -44,6 +46,8 @@ waymark_Welcome Encode(const Welcome& welcome, Scratch&) {
   wire.session_time_ns = ToNanoseconds(welcome.session_time);
   wire.role = static_cast<waymark_Role>(welcome.role);
   wire.is_return = welcome.is_return;
+  wire.protocol = welcome.protocol;
+  SetText(wire.owner, welcome.owner);
   return wire;
 }
 
@@ -65,7 +69,9 @@ Result<Welcome> Decode(const waymark_Welcome& wire) {
                          .epoch = wire.epoch},
                  .session_time = FromNanoseconds<ServerTime>(wire.session_time_ns),
                  .role = role,
-                 .is_return = wire.is_return};
+                 .is_return = wire.is_return,
+                 .protocol = std::max(wire.protocol, std::uint32_t{1}),
+                 .owner = GetText(wire.owner)};
 }
 
 waymark_Presence Encode(const Presence& presence, Scratch&) {

@@ -119,9 +119,12 @@ Result<void> ServerBus::Impl::OpenOwn(const RoomId& room, const DeviceId& device
   WAYMARK_TRY_ASSIGN(auto replies, MakeWriter<CommandReply>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<ClockPong>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseBatch>(participant, partition));
-  devices.insert_or_assign(device,
-                           DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
-                                         std::move(pongs), std::move(poses)});
+  WAYMARK_TRY_ASSIGN(auto own_anchors, MakeWriter<AnchorState>(participant, partition));
+  WAYMARK_TRY_ASSIGN(auto own_states, MakeWriter<OwnerState>(participant, partition));
+  devices.insert_or_assign(
+      device, DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
+                            std::move(own_anchors), std::move(own_states), std::move(pongs),
+                            std::move(poses)});
   return {};
 }
 
@@ -132,9 +135,12 @@ Result<void> ServerBus::Impl::OpenByGateway(const RoomId& room, const DeviceId& 
     WAYMARK_TRY_ASSIGN(auto welcome, MakeWriter<Welcome>(participant, partition));
     WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));
     WAYMARK_TRY_ASSIGN(auto replies, MakeWriter<CommandReply>(participant, partition));
+    WAYMARK_TRY_ASSIGN(auto own_anchors, MakeWriter<AnchorState>(participant, partition));
+    WAYMARK_TRY_ASSIGN(auto own_states, MakeWriter<OwnerState>(participant, partition));
     found = gateway_writers
                 .emplace(room,
-                         GatewayWriters{std::move(welcome), std::move(answers), std::move(replies)})
+                         GatewayWriters{std::move(welcome), std::move(answers), std::move(replies),
+                                        std::move(own_anchors), std::move(own_states)})
                 .first;
   }
   ++found->second.devices;
@@ -167,6 +173,11 @@ bool ServerBus::HasChangedItsWay(const DeviceId& device) const {
   const auto way = impl_->FindWay(device);
   return way && impl_->IsOpen(device) &&
          impl_->phones.contains(device) != (*way == Way::kByGateway);
+}
+bool ServerBus::ShareTheirWay(const DeviceId& a, const DeviceId& b) const {
+  const auto first = impl_->phones.find(a), second = impl_->phones.find(b);
+  return first != impl_->phones.end() && second != impl_->phones.end() &&
+         first->second == second->second;
 }
 
 std::uint64_t ServerBus::RejectedMessages() const { return impl_->rejected; }

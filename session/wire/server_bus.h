@@ -29,6 +29,9 @@ class ServerBus {
   /// It is open, but its latest Hello came another way, on the bus or through a gateway: open it
   /// anew.
   bool HasChangedItsWay(const DeviceId& device) const;
+  /// What one of them is told goes where the other is told it too: gateways speak for both in one
+  /// room.
+  bool ShareTheirWay(const DeviceId& a, const DeviceId& b) const;
 
   Result<void> Publish(const RoomId& room, const Presence& presence);
   /// Heard by gateways, which choose from it for each of their phones.
@@ -51,6 +54,12 @@ class ServerBus {
   Result<void> Send(const CommandReply& reply);
   Result<void> Send(const ClockPong& pong);
   Result<void> Send(const DeviceId& device, const PoseBatch& batch);
+  /// What its owner's devices alone are told. A gateway hears it once for all that it speaks for.
+  Result<void> Send(const DeviceId& device, const AnchorState& own);
+  Result<void> Send(const DeviceId& device, const OwnerState& state);
+  Result<void> Withdraw(const DeviceId& device, const AnchorId& own);
+  void Forget(const DeviceId& device, const AnchorId& own);
+  void Forget(const DeviceId& device, const std::string& owner);
   /// False: the device is not there, or a gateway hears its poses for it.
   bool HearsPoses(const DeviceId& device) const;
   /// To the gateway named in the message.

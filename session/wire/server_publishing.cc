@@ -12,11 +12,7 @@ waymark_Presence KeyOf(const DeviceId& device) {
   return key;
 }
 
-waymark_AnchorState KeyOf(const AnchorId& anchor) {
-  waymark_AnchorState key{};
-  SetId(key.anchor, anchor);
-  return key;
-}
+waymark_AnchorState KeyOf(const AnchorId& anchor) { return AnchorKey(anchor, false); }
 
 }  // namespace
 
@@ -85,6 +81,34 @@ Result<void> ServerBus::Send(const DeviceId& device, const PoseBatch& batch) {
 bool ServerBus::HearsPoses(const DeviceId& device) const {
   const auto found = impl_->devices.find(device);
   return found != impl_->devices.end() && found->second.poses.HasReaders();
+}
+Result<void> ServerBus::Send(const DeviceId& device, const AnchorState& own) {
+  return impl_->WriteTo(device, &DeviceWriters::own_anchors, &GatewayWriters::own_anchors, own);
+}
+Result<void> ServerBus::Send(const DeviceId& device, const OwnerState& state) {
+  return impl_->WriteTo(device, &DeviceWriters::own_states, &GatewayWriters::own_states, state);
+}
+Result<void> ServerBus::Withdraw(const DeviceId& device, const AnchorId& own) {
+  dds::Writer* const writer =
+      impl_->FindWriter(device, &DeviceWriters::own_anchors, &GatewayWriters::own_anchors);
+  if (writer == nullptr) return NotOpen("device", device.text());
+  const waymark_AnchorState key = KeyOf(own);
+  return writer->Dispose(&key);
+}
+void ServerBus::Forget(const DeviceId& device, const AnchorId& own) {
+  const waymark_AnchorState key = KeyOf(own);
+  if (auto* const writer =
+          impl_->FindWriter(device, &DeviceWriters::own_anchors, &GatewayWriters::own_anchors)) {
+    writer->Forget(&key);
+  }
+}
+void ServerBus::Forget(const DeviceId& device, const std::string& owner) {
+  waymark_OwnerState key{};
+  SetText(key.owner, owner);
+  if (auto* const writer =
+          impl_->FindWriter(device, &DeviceWriters::own_states, &GatewayWriters::own_states)) {
+    writer->Forget(&key);
+  }
 }
 Result<void> ServerBus::Send(const GatewayPongs& pongs) {
   return Write(impl_->gateway_pongs, pongs);

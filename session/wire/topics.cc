@@ -69,6 +69,11 @@ Topic TopicOf<RoomState>() {
           History::kForLateJoiners, 1};
 }
 template <>
+Topic TopicOf<OwnerState>() {
+  return {"waymark/1/owner_state", &waymark_OwnerState_desc, Delivery::kReliable,
+          History::kForLateJoiners, 1};
+}
+template <>
 Topic TopicOf<MapState>() {
   return {"waymark/1/map_state", &waymark_MapState_desc, Delivery::kReliable,
           History::kForLateJoiners, 1};

@@ -22,13 +22,14 @@ using Upward =
 struct DeviceGone {
   DeviceId device;
 };
-/// An anchor was deleted.
+/// An anchor was deleted, or is not to be seen any more.
 struct AnchorGone {
   AnchorId anchor;
+  bool is_own = false;  ///< of those that its owner alone was told of
 };
 
 /// Anything the server may say.
 using Downward = std::variant<Welcome, Presence, DeviceGone, PoseBatch, LocaliseAnswer, AnchorState,
-                              AnchorGone, CommandReply, RoomState, MapState, ClockPong>;
+                              AnchorGone, CommandReply, RoomState, MapState, ClockPong, OwnerState>;
 
 }  // namespace waymark::session::wire

@@ -37,6 +37,9 @@ static void PrintConstants(void) {
   CONSTANT(WAYMARK_STALE);
   CONSTANT(WAYMARK_FROM_SERVER);
   CONSTANT(WAYMARK_FROM_TILE);
+  CONSTANT(WAYMARK_FOR_ROOM);
+  CONSTANT(WAYMARK_FOR_OWNER);
+  CONSTANT(WAYMARK_PUBLIC);
   CONSTANT(WAYMARK_NOTHING);
   CONSTANT(WAYMARK_DEVICE_CAME);
   CONSTANT(WAYMARK_DEVICE_LEFT);
@@ -94,6 +97,7 @@ static void PrintRoomStructs(void) {
   FIELD(WaymarkStanding, epoch);
   FIELD(WaymarkStanding, device);
   FIELD(WaymarkStanding, reason);
+  FIELD(WaymarkStanding, owner);
   STRUCT(WaymarkOther);
   FIELD(WaymarkOther, struct_size);
   FIELD(WaymarkOther, is_present);
@@ -115,6 +119,8 @@ static void PrintRoomStructs(void) {
   FIELD(WaymarkAnchor, anchor);
   FIELD(WaymarkAnchor, owner);
   FIELD(WaymarkAnchor, kind);
+  FIELD(WaymarkAnchor, audience);
+  FIELD(WaymarkAnchor, reserved);
   STRUCT(WaymarkPlacement);
   FIELD(WaymarkPlacement, struct_size);
   FIELD(WaymarkPlacement, reserved);
@@ -122,6 +128,8 @@ static void PrintRoomStructs(void) {
   FIELD(WaymarkPlacement, kind);
   FIELD(WaymarkPlacement, payload);
   FIELD(WaymarkPlacement, payload_bytes);
+  FIELD(WaymarkPlacement, audience);
+  FIELD(WaymarkPlacement, reserved_2);
   STRUCT(WaymarkEvent);
   FIELD(WaymarkEvent, struct_size);
   FIELD(WaymarkEvent, kind);

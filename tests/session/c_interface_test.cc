@@ -113,6 +113,31 @@ TEST_F(CInterface, AnchorsAreSharedAndConflictsSayWhatStands) {
   EXPECT_TRUE(anna.Hears(WAYMARK_ANCHOR_GONE, placed.anchor));
 }
 
+TEST_F(CInterface, APrivateAnchorIsItsOwnersAlone) {
+  StartServer();
+  const auto ben = Join("Ben");
+  DeviceOptions options = MakeDeviceOptions("Anna");
+  options.owner_secret = "anna's";
+  const CPhone anna(options);
+  options.name = "Anna's tablet";
+  const auto tablet = Join(options);
+  ASSERT_TRUE(anna.Localise());
+  auto placed = Sized<WaymarkAnchor>();
+  ASSERT_EQ(anna.Place("hello", &placed, WAYMARK_FOR_OWNER), WAYMARK_OK) << waymark_error_message();
+  EXPECT_EQ(placed.audience, WAYMARK_FOR_OWNER);
+  EXPECT_STREQ(placed.owner, anna.Standing().owner);
+  const AnchorId id(placed.anchor);
+  EXPECT_TRUE(Eventually([&] { return support::FindAnchor(*tablet, id).has_value(); }));
+  auto later = Sized<WaymarkAnchor>();
+  ASSERT_EQ(anna.Place("for all", &later, WAYMARK_PUBLIC), WAYMARK_OK);
+  EXPECT_EQ(later.audience, WAYMARK_PUBLIC);
+  ASSERT_TRUE(
+      Eventually([&] { return support::FindAnchor(*ben, AnchorId(later.anchor)).has_value(); }));
+  EXPECT_FALSE(support::FindAnchor(*ben, id));
+  EXPECT_EQ(anna.Place("nobody", nullptr, 7), WAYMARK_INVALID_ARGUMENT);
+  EXPECT_THAT(waymark_error_message(), HasSubstr("audience"));
+}
+
 TEST_F(CInterface, ModeratorsKickAndTheKickedLearnWhy) {
   options_.open_role = Role::kModerator;
   StartServer();

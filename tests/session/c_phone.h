@@ -31,6 +31,7 @@ class CPhone {
     SetText(options, "room", as.room.text());
     SetText(options, "name", as.name);
     SetText(options, "token", as.token);
+    SetText(options, "owner_secret", as.owner_secret);
     SetNumber(options, "dds_domain", as.dds_domain);
     SetNumber(options, "keyframe_interval_s", as.keyframe_interval.count());
     SetNumber(options, "request_timeout_s", as.request_timeout.count());
@@ -96,12 +97,14 @@ class CPhone {
     });
   }
 
-  WaymarkStatus Place(const std::string& payload, WaymarkAnchor* now) const {
+  WaymarkStatus Place(const std::string& payload, WaymarkAnchor* now,
+                      std::int32_t audience = WAYMARK_FOR_ROOM) const {
     auto placement = Sized<WaymarkPlacement>();
     placement.device_from_anchor = At(2, 0, 0);
     placement.kind = "note";
     placement.payload = payload.data();
     placement.payload_bytes = payload.size();
+    placement.audience = audience;
     return waymark_place_anchor(session_, &placement, now);
   }
 

@@ -62,6 +62,8 @@ TEST(Cdr, WritesWhatCycloneWrites) {
   ExpectSameBytes(batch, waymark_PoseBatch_desc);
   ExpectSameBytes(ClockPong{.device = kDevice}, waymark_ClockPong_desc);
   ExpectSameBytes(RoomState{.room = RoomId("square")}, waymark_RoomState_desc);
+  ExpectSameBytes(OwnerState{.owner = "@0", .run = RunId{3}, .anchor_count = 2},
+                  waymark_OwnerState_desc);
 }
 
 TEST(Cdr, WritesNestedThingsAsCycloneDoes) {

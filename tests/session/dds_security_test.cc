@@ -146,6 +146,36 @@ TEST_F(DdsSecurity, ItIsGoodForItsRoomAndDeviceAlone) {
   ExpectNobodyCame();
 }
 
+TEST_F(DdsSecurity, NobodyElseReadsWhatADeviceIsToldOfItsOwnersAnchors) {
+  const auto anna = Join(With(kAnna, Issue(kAnna)));
+  ASSERT_NE(anna, nullptr);
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  const std::string credentials = Issue(kMallory);
+  const auto ben = Join(With(kMallory, credentials));
+  ASSERT_NE(ben, nullptr);
+  auto participant = dds::Participant::Create(
+      {.domain = domain_, .server = "127.0.0.1", .security_folder = credentials});
+  ASSERT_TRUE(participant.ok()) << ToString(participant.error());
+  std::atomic<std::uint64_t> rejected = 0;
+  std::atomic<int> heard = 0;
+  const auto listen = [&](const std::string& partition) {
+    return wire::MakeReader<AnchorState>(*participant, partition, rejected,
+                                         [&](const AnchorState&) { ++heard; });
+  };
+  const auto annas = listen(wire::DevicePartition(kSquare, kAnna));
+  const auto gateways = listen(wire::GatewayDownPartition(kSquare));
+  const auto secret =
+      anna->PlaceAnchor(kAhead, "note", "secret", content::AnchorVisibility::kPrivate);
+  ASSERT_TRUE(secret.ok()) << ToString(secret.error());
+  const auto later = anna->PlaceAnchor(kAhead, "note", "for all");
+  ASSERT_TRUE(later.ok()) << ToString(later.error());
+  ASSERT_TRUE(Eventually([&] { return FindAnchor(*ben, later->id).has_value(); }));
+  EXPECT_TRUE(FindAnchor(*anna, secret->id));
+  EXPECT_FALSE(FindAnchor(*ben, secret->id));
+  EXPECT_EQ(heard, 0);
+}
+
 // With good credentials of its own, and no library of ours to hold it back.
 TEST_F(DdsSecurity, WhoSpeaksInAnothersNameIsNotHeard) {
   const auto anna = Join(With(kAnna, Issue(kAnna)));

@@ -162,7 +162,7 @@ TEST_F(Following, WhoKnowsAnAnchorBeforeItWasAttachedAnewKnowsItStill) {
 
 // ---- who may see and edit ---------------------------------------------------------------------
 
-TEST_F(Following, WhatIsPrivateIsNeverSent) {
+TEST_F(Following, WhatIsPrivateIsNeverSentToTheRoom) {
   content::AnchorRecord secret = Record(1, 4);
   secret.visibility = content::AnchorVisibility::kPrivate;
   Hello('a');
@@ -174,12 +174,12 @@ TEST_F(Following, WhatIsPrivateIsNeverSent) {
   EXPECT_TRUE(None<effect::PublishAnchor>());
   EXPECT_TRUE(None<effect::WithdrawAnchor>());
 
-  // Its id is taken all the same, which is all that others learn.
+  // Its id is taken all the same, as one that was deleted would be.
   Hello('b');
   Play(event::CommandReceived{Command('b', 1, AnchorOperation::kCreate, 1)});
   StoreRefuses(RoomAnchor{secret});
   const CommandReply refused = Only<effect::SendReply>().reply;
-  EXPECT_EQ(refused.outcome, CommandOutcome::kConflict);
+  EXPECT_EQ(refused.outcome, CommandOutcome::kNotFound);
   EXPECT_FALSE(refused.current);
 }
 

@@ -31,6 +31,11 @@ TEST(Frames, EndsComeBack) {
   const auto gone = DecodeDownward(EncodeFrame(Downward(DeviceGone{kDevice})));
   ASSERT_TRUE(gone.ok()) << ToString(gone.error());
   EXPECT_EQ(std::get<DeviceGone>(*gone).device, kDevice);
+  for (const bool is_own : {false, true}) {
+    const auto ended = DecodeDownward(EncodeFrame(Downward(AnchorGone{kAnchor, is_own})));
+    ASSERT_TRUE(ended);
+    EXPECT_EQ(std::get<AnchorGone>(*ended).is_own, is_own);
+  }
   const auto deleted = DecodeDownward(EncodeFrame(Downward(AnchorGone{kAnchor})));
   ASSERT_TRUE(deleted.ok()) << ToString(deleted.error());
   EXPECT_EQ(std::get<AnchorGone>(*deleted).anchor, kAnchor);

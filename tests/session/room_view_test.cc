@@ -31,6 +31,18 @@ RoomState RoomOf(std::initializer_list<std::pair<int, std::uint64_t>> anchors, R
   return room;
 }
 
+AnchorState Own(int number, std::uint64_t revision, RunId run = kRun) {
+  AnchorState state = State(number, revision, run);
+  state.anchor.record.visibility = content::AnchorVisibility::kPrivate;
+  return state;
+}
+OwnerState OwnOf(int number, std::uint64_t revision) {
+  return {.owner = "@anna",
+          .run = kRun,
+          .anchor_count = 1,
+          .anchor_digest = AnchorDigest(AnchorNamed(number), revision)};
+}
+
 class View : public testing::Test {
  protected:
   View() { view_.StartRun(kRun, 1); }
@@ -44,6 +56,32 @@ class View : public testing::Test {
   const DeviceId self_{"self"}, ben_{"ben"};
   RoomView view_{self_};
 };
+
+TEST_F(View, WaitsForItsOwnersAnchorsWhereTheServerTellsThem) {
+  view_.StartRun(kRun, 1, true);
+  view_.On(RoomOf({{1, 10}}));
+  view_.On(State(1, 10));
+  EXPECT_FALSE(view_.HasSnapshot());
+  view_.On(OwnOf(2, 11));
+  EXPECT_FALSE(view_.HasSnapshot());
+  view_.On(Own(2, 11));
+  EXPECT_TRUE(view_.HasSnapshot());
+  EXPECT_THAT(Ids(), SizeIs(2));
+  view_.OnGone(AnchorNamed(2), true);
+  EXPECT_THAT(Ids(), SizeIs(1));
+}
+
+TEST_F(View, AnAnchorThatChangesItsAudienceIsThereOnceWhicheverIsToldFirst) {
+  view_.On(Own(1, 10));
+  view_.On(State(1, 11));
+  EXPECT_THAT(Ids(), SizeIs(1));
+  EXPECT_EQ(view_.FindAnchor(AnchorNamed(1))->revision, 11u);
+  view_.OnGone(AnchorNamed(1), true);
+  EXPECT_THAT(Ids(), SizeIs(1));
+  view_.OnGone(AnchorNamed(1), false);
+  view_.On(Own(1, 12));
+  EXPECT_EQ(view_.FindAnchor(AnchorNamed(1))->audience, content::AnchorVisibility::kPrivate);
+}
 
 TEST_F(View, IsCompleteWhenCountAndDigestAgreeInAnyOrder) {
   EXPECT_FALSE(view_.HasSnapshot());

@@ -152,12 +152,33 @@ TEST_P(SharedStore, WhatIsPrivateReachesNoOtherPhone) {
   Write(store_->Create(secret));
   const content::AnchorRecord after = Write(store_->Create(MakeRecord(2)));
   ASSERT_TRUE(Shows(b_, after.id, IsThere)) << "what was written later has come";
+  EXPECT_TRUE(Shows(a_, secret.id, IsThere)) << "its owner's";
   EXPECT_TRUE(IsGone(FindAnchor(*b_.phone, secret.id)));
   auto late = DeviceSession::Join(b_.PhoneOptions("Late"));
   ASSERT_TRUE(late);
   ASSERT_TRUE(Eventually([&] { return (*late)->HasSnapshot(); }));
   EXPECT_TRUE(IsGone(FindAnchor(**late, secret.id)));
   EXPECT_TRUE(IsThere(FindAnchor(**late, after.id)));
+}
+
+TEST_P(SharedStore, WhatIsPrivateIsSeenByItsOwnersPhonesOnEveryServer) {
+  DeviceOptions options = a_.PhoneOptions("Carla");
+  options.owner_secret = "carla's";
+  auto here = DeviceSession::Join(options);
+  options.dds_domain = b_.options.dds_domain;
+  auto there = DeviceSession::Join(options);
+  ASSERT_TRUE(here && there);
+  ASSERT_TRUE(StandingPhone(**here, {3, 4, 1}).Localise());
+  const auto placed =
+      (*here)->PlaceAnchor(kAhead, "note", "mine", content::AnchorVisibility::kPrivate);
+  ASSERT_TRUE(placed) << ToString(placed.error());
+  ASSERT_TRUE(Eventually([&] { return FindAnchor(**there, placed->id).has_value(); }));
+  const SharedAnchor after = PlaceWith(a_);
+  ASSERT_TRUE(Shows(b_, after.id, IsThere));
+  EXPECT_TRUE(IsGone(FindAnchor(*a_.phone, placed->id)));
+  EXPECT_TRUE(IsGone(FindAnchor(*b_.phone, placed->id)));
+  ASSERT_TRUE((*there)->DeleteAnchor(*FindAnchor(**there, placed->id)));
+  EXPECT_TRUE(Eventually([&] { return !FindAnchor(**here, placed->id); }));
 }
 
 TEST_P(SharedStore, WhatComesFromAnotherReleaseIsShownInTheOwn) {

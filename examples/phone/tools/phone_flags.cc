@@ -26,6 +26,9 @@ void AddJoining(CLI::App& app, session::DeviceOptions& device) {
       ->needs(id);
   app.add_option("--token", device.token, "lets it into the room; from waymark-keys token")
       ->envname("WAYMARK_TOKEN");
+  app.add_option("--owner-secret", device.owner_secret,
+                 "what all phones of one owner know: anchors of one belong to all")
+      ->envname("WAYMARK_OWNER_SECRET");
   app.add_option("--name", device.name, "name shown to others")->capture_default_str();
 }
 
@@ -66,6 +69,14 @@ std::optional<Flags> ParseFlags(int argc, char** argv, int& exit_status) {
   AddLocalising(app, flags.device);
   app.add_option("--place-anchor-after", flags.replay.place_anchor_after_s,
                  "place an anchor this many seconds into the walk, once localised");
+  app.add_option("--audience", flags.replay.audience,
+                 "of the anchor: room, private (its owner's phones alone) or public")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, content::AnchorVisibility>{
+              {"room", content::AnchorVisibility::kRoom},
+              {"private", content::AnchorVisibility::kPrivate},
+              {"public", content::AnchorVisibility::kPublic}},
+          CLI::ignore_case));
   app.add_option("--anchor-distance", flags.anchor_distance_m, "metres ahead of the camera")
       ->capture_default_str();
   auto* const kick = app.add_option_function<std::string>(

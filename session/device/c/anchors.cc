@@ -72,7 +72,8 @@ WaymarkStatus waymark_place_anchor(WaymarkSession session, const WaymarkPlacemen
                        ReadText(theirs.kind, WAYMARK_TEXT_BYTES - 1, "placement's kind"));
     WAYMARK_TRY_ASSIGN(const auto payload, ReadPayload(theirs));
     WAYMARK_TRY_ASSIGN(const Now answer, Now::Of(now));
-    const auto placed = device.PlaceAnchor(place, kind, payload);
+    WAYMARK_TRY_ASSIGN(const auto audience, ReadAudience(theirs.audience));
+    const auto placed = device.PlaceAnchor(place, kind, payload, audience);
     if (!placed) return placed.error();
     answer.Is(*placed);
     return {};

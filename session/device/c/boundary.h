@@ -52,6 +52,12 @@ void WriteText(const std::string& text, char* out, std::size_t bytes);
 /// The size that a struct had when it first appeared; to be fixed here as a number when it grows.
 template <typename Struct>
 inline constexpr std::size_t kFirstSize = sizeof(Struct);
+template <>
+inline constexpr std::size_t kFirstSize<WaymarkAnchor> = 424;
+template <>
+inline constexpr std::size_t kFirstSize<WaymarkPlacement> = 88;
+template <>
+inline constexpr std::size_t kFirstSize<WaymarkStanding> = 328;
 
 /// The `struct_size` that the app wrote. Errors: InvalidArgument.
 Result<std::size_t> ReadStructSize(const void* theirs, std::size_t first_size, const char* name);

@@ -20,6 +20,8 @@ constexpr std::array kTexts{
     TextOption{"room", [](auto& options, const auto& text) { options.room = RoomId(text); }},
     TextOption{"name", [](auto& options, const auto& text) { options.name = text; }},
     TextOption{"token", [](auto& options, const auto& text) { options.token = text; }},
+    TextOption{"owner_secret",
+               [](auto& options, const auto& text) { options.owner_secret = text; }},
     TextOption{"id", [](auto& options, const auto& text) { options.id = DeviceId(text); }},
     TextOption{"authority_file",
                [](auto& options, const auto& text) { options.authority_file = text; }},

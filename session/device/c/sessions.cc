@@ -53,6 +53,7 @@ WaymarkStatus waymark_standing(WaymarkSession session, WaymarkStanding* standing
     c.epoch = device.DescribeMap().epoch;
     WriteText(device.id().text(), c.device, sizeof(c.device));
     WriteText(now.reason, c.reason, sizeof(c.reason));
+    WriteText(now.owner, c.owner, sizeof(c.owner));
     return WriteStruct(c, standing, "standing");
   });
 }

@@ -2,6 +2,7 @@
 #include "session/device/c/values.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mapping/features/features.h"
@@ -10,6 +11,12 @@ namespace waymark::session::c {
 namespace {
 
 constexpr int kMaxSide_px = 1 << 15;
+
+// The room's is 0: what an app says that knows no audiences.
+constexpr std::array<std::pair<content::AnchorVisibility, std::int32_t>, 3> kAudiences{
+    {{content::AnchorVisibility::kRoom, WAYMARK_FOR_ROOM},
+     {content::AnchorVisibility::kPrivate, WAYMARK_FOR_OWNER},
+     {content::AnchorVisibility::kPublic, WAYMARK_PUBLIC}}};
 
 static_assert(static_cast<int>(Role::kMember) == WAYMARK_MEMBER &&
               static_cast<int>(Role::kViewer) == WAYMARK_VIEWER &&
@@ -143,6 +150,16 @@ Result<SharedAnchor> ReadAnchor(const WaymarkAnchor& theirs) {
                       .payload = ""};
 }
 
+Result<content::AnchorVisibility> ReadAudience(std::int32_t theirs) {
+  for (const auto& [ours, c] : kAudiences) {
+    if (c == theirs) return ours;
+  }
+  return MakeError(ErrorCode::kInvalidArgument,
+                   "audience: expected WAYMARK_FOR_ROOM, WAYMARK_FOR_OWNER or WAYMARK_PUBLIC, "
+                   "found {}",
+                   theirs);
+}
+
 WaymarkTransform ToC(const Rigid3& rigid) {
   WaymarkTransform c;
   std::copy_n(rigid.translation().data(), 3, c.translation_m);
@@ -188,6 +205,9 @@ WaymarkAnchor ToC(const SharedAnchor& anchor) {
   WriteText(anchor.id.text(), c.anchor, sizeof(c.anchor));
   WriteText(anchor.owner.text(), c.owner, sizeof(c.owner));
   WriteText(anchor.kind, c.kind, sizeof(c.kind));
+  for (const auto& [ours, theirs] : kAudiences) {
+    if (ours == anchor.audience) c.audience = theirs;
+  }
   return c;
 }
 

@@ -22,6 +22,9 @@ Result<DeviceFrame> ReadFrame(const WaymarkFrame& theirs);
 /// Errors: InvalidArgument.
 Result<SharedAnchor> ReadAnchor(const WaymarkAnchor& theirs);
 
+/// Errors: InvalidArgument.
+Result<content::AnchorVisibility> ReadAudience(std::int32_t theirs);
+
 WaymarkTransform ToC(const Rigid3& rigid);
 WaymarkPose ToC(const DevicePose& pose);
 WaymarkOther ToC(const OtherDevice& other);

@@ -40,7 +40,8 @@ class LiveSession final : public DeviceSession {
   std::optional<ServerTime> SessionTime(DeviceTime instant) const override;
   std::vector<OtherDevice> Others() const override;
   Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
-                                   const std::string& kind, const std::string& payload) override;
+                                   const std::string& kind, const std::string& payload,
+                                   content::AnchorVisibility audience) override;
   Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
                                   const Transform<Map, Anchor>& map_from_anchor) override;
   Result<void> DeleteAnchor(const SharedAnchor& anchor) override;
@@ -88,9 +89,10 @@ class LiveSession final : public DeviceSession {
   void On(const PoseBatch& batch) { view_.On(batch, SessionNow()); }
   void On(const LocaliseAnswer& answer);
   void On(const AnchorState& state) { view_.On(state); }
-  void On(const wire::AnchorGone& gone) { view_.OnGone(gone.anchor); }
+  void On(const wire::AnchorGone& gone) { view_.OnGone(gone.anchor, gone.is_own); }
   void On(const CommandReply& reply);
   void On(const RoomState& state) { view_.On(state); }
+  void On(const OwnerState& state) { view_.On(state); }
   void On(const MapState& state);
   void On(const ClockPong& pong);
 

@@ -97,4 +97,16 @@ void Visit(Archive& archive, effect::SendReply& value) {
   archive(reply);
 }
 
+template <typename Archive>
+void Visit(Archive& archive, effect::SendOwn& value) {
+  auto& [device, anchors, state] = value;
+  archive(device, anchors, state);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, effect::SendOwnChange& value) {
+  auto& [device, change, state] = value;
+  archive(device, change, state);
+}
+
 }  // namespace waymark::session::recording::internal

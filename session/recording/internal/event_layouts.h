@@ -12,8 +12,8 @@ void Visit(Archive&, event::Ticked&) {}
 
 template <typename Archive>
 void Visit(Archive& archive, event::Permit& value) {
-  auto& [refusal, role, token_id, token_key, is_bound, until] = value;
-  archive(refusal, role, token_id, token_key, is_bound, until);
+  auto& [refusal, role, token_id, token_key, is_bound, until, owner] = value;
+  archive(refusal, role, token_id, token_key, is_bound, until, owner);
 }
 
 inline event::HelloReceived Blank(Here, std::type_identity<event::HelloReceived>) {

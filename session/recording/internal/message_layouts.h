@@ -69,9 +69,10 @@ inline Hello Blank(Here, std::type_identity<Hello>) {
 }
 template <typename Archive>
 void Visit(Archive& archive, Hello& value) {
-  auto& [device, protocol, attempt, room, name, token] = value;
+  auto& [device, protocol, attempt, room, name, token, owner_secret] = value;
   archive(device, protocol, attempt, room, name);
-  (void)token;  // a secret
+  (void)token;  // a secret, as the next
+  (void)owner_secret;
 }
 
 template <typename Archive>
@@ -97,8 +98,10 @@ inline AnchorCommand Blank(Here, std::type_identity<AnchorCommand>) {
 }
 template <typename Archive>
 void Visit(Archive& archive, AnchorCommand& value) {
-  auto& [ticket, request, operation, anchor, expected, epoch, pose, seen_in, kind, payload] = value;
-  archive(ticket, request, operation, anchor, expected, epoch, pose, seen_in, kind, payload);
+  auto& [ticket, request, operation, anchor, expected, epoch, pose, seen_in, kind, payload,
+         visibility] = value;
+  archive(ticket, request, operation, anchor, expected, epoch, pose, seen_in, kind, payload,
+          visibility);
 }
 
 template <typename Archive>
@@ -115,8 +118,10 @@ void Visit(Archive& archive, MapIdentity& value) {
 
 template <typename Archive>
 void Visit(Archive& archive, Welcome& value) {
-  auto& [device, attempt, verdict, reason, run, ticket, number, map, time, role, is_return] = value;
-  archive(device, attempt, verdict, reason, run, ticket, number, map, time, role, is_return);
+  auto& [device, attempt, verdict, reason, run, ticket, number, map, time, role, is_return,
+         protocol, owner] = value;
+  archive(device, attempt, verdict, reason, run, ticket, number, map, time, role, is_return,
+          protocol, owner);
 }
 
 template <typename Archive>
@@ -135,6 +140,12 @@ template <typename Archive>
 void Visit(Archive& archive, RoomState& value) {
   auto& [room, run, revision, epoch, count, digest] = value;
   archive(room, run, revision, epoch, count, digest);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, OwnerState& value) {
+  auto& [owner, run, count, digest] = value;
+  archive(owner, run, count, digest);
 }
 
 template <typename Archive>

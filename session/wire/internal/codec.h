@@ -34,6 +34,12 @@ waymark_CommandReply Encode(const CommandReply& reply, Scratch& scratch);
 Result<CommandReply> Decode(const waymark_CommandReply& wire);
 waymark_RoomState Encode(const RoomState& state, Scratch& scratch);
 Result<RoomState> Decode(const waymark_RoomState& wire);
+waymark_OwnerState Encode(const OwnerState& state, Scratch& scratch);
+Result<OwnerState> Decode(const waymark_OwnerState& wire);
+
+/// Names an anchor that is over, in what only its key counts of; private: for its owner.
+waymark_AnchorState AnchorKey(const AnchorId& anchor, bool is_private);
+bool IsPrivate(const waymark_AnchorState& wire);
 
 waymark_MapState Encode(const MapState& state, Scratch& scratch);
 Result<MapState> Decode(const waymark_MapState& wire);

@@ -32,7 +32,7 @@ template <>
 struct Layout<waymark_Hello> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
-    archive(m.device, m.protocol, m.attempt, m.room, m.name, m.token);
+    archive(m.device, m.protocol, m.attempt, m.room, m.name, m.token, m.owner_secret);
   }
 };
 
@@ -41,7 +41,8 @@ struct Layout<waymark_Welcome> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.device, m.attempt, m.verdict, m.reason, m.run, m.ticket, m.number, m.map_uuid,
-            m.is_geo_aligned, m.origin, m.epoch, m.session_time_ns, m.role, m.is_return);
+            m.is_geo_aligned, m.origin, m.epoch, m.session_time_ns, m.role, m.is_return, m.protocol,
+            m.owner);
   }
 };
 
@@ -135,7 +136,7 @@ struct Layout<waymark_AnchorContent> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.owner, m.revision, m.epoch, m.is_supported, m.map_from_anchor,
-            AtMost{m.attachments, 3}, m.kind, m.payload);
+            AtMost{m.attachments, 3}, m.kind, m.payload, m.audience);
   }
 };
 
@@ -156,7 +157,7 @@ struct Layout<waymark_AnchorCommand> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.ticket, m.request, m.operation, m.anchor, m.expected_revision, m.epoch,
-            m.map_from_anchor, AtMost{m.seen_in, 3}, m.kind, m.payload);
+            m.map_from_anchor, AtMost{m.seen_in, 3}, m.kind, m.payload, m.audience);
   }
 };
 
@@ -173,6 +174,14 @@ struct Layout<waymark_RoomState> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.room, m.run, m.revision, m.epoch, m.anchor_count, m.anchor_digest);
+  }
+};
+
+template <>
+struct Layout<waymark_OwnerState> {
+  static constexpr bool kAppendable = true;
+  static void Visit(auto& archive, auto& m) {
+    archive(m.owner, m.run, m.anchor_count, m.anchor_digest);
   }
 };
 

@@ -56,15 +56,33 @@ class Readers {
     return Listen<MapState>(partition, handler);
   }
 
-  /// What a device alone is told, but for poses and pongs.
+  /// What a device alone is told, but for poses and pongs; its owner's private anchors too.
   template <typename Handler>
   Result<void> ListenToOwn(const std::string& partition, const Handler& handler) {
     WAYMARK_TRY(Listen<Welcome>(partition, handler));
     WAYMARK_TRY(Listen<LocaliseAnswer>(partition, handler));
+    WAYMARK_TRY(Listen<AnchorState>(
+        partition,
+        [handler](const Downward& message) {
+          // Whatever the sender says, nothing that comes this way is for all.
+          if (!IsOwn(message)) return;
+          handler(message);
+        },
+        [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
+          if (arrival != dds::Arrival::kDisposed) return;
+          handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor), true}));
+        }));
+    WAYMARK_TRY(Listen<OwnerState>(partition, handler));
     return Listen<CommandReply>(partition, handler);
   }
 
  private:
+  static bool IsOwn(const Downward& message) {
+    const auto* state = std::get_if<AnchorState>(&message);
+    return state != nullptr &&
+           state->anchor.record.visibility == content::AnchorVisibility::kPrivate;
+  }
+
   std::shared_ptr<dds::Participant> participant_;
   std::atomic<std::uint64_t> rejected_ = 0;
   std::vector<dds::Reader> readers_;  // last: their callbacks end before the rest goes

@@ -27,6 +27,8 @@ struct GatewayWriters {
   dds::Writer welcome;
   dds::Writer answers;
   dds::Writer replies;
+  dds::Writer own_anchors;  // keyed by themselves: an anchor has one owner
+  dds::Writer own_states;
   int devices = 0;  // that are open
 };
 
@@ -34,6 +36,8 @@ struct DeviceWriters {
   dds::Writer welcome;
   dds::Writer answers;
   dds::Writer replies;
+  dds::Writer own_anchors;
+  dds::Writer own_states;
   dds::Writer pongs;
   dds::Writer poses;
 };
@@ -91,12 +95,22 @@ struct ServerBus::Impl {
   template <typename Message>
   Result<void> WriteTo(dds::Writer DeviceWriters::*own, dds::Writer GatewayWriters::*shared,
                        const Message& message) {
-    if (const auto phone = phones.find(message.device); phone != phones.end()) {
-      return Write(gateway_writers.at(phone->second).*shared, message);
+    return WriteTo(message.device, own, shared, message);
+  }
+  template <typename Message>
+  Result<void> WriteTo(const DeviceId& device, dds::Writer DeviceWriters::*own,
+                       dds::Writer GatewayWriters::*shared, const Message& message) {
+    dds::Writer* const writer = FindWriter(device, own, shared);
+    if (writer == nullptr) return NotOpen("device", device.text());
+    return Write(*writer, message);
+  }
+  dds::Writer* FindWriter(const DeviceId& device, dds::Writer DeviceWriters::*own,
+                          dds::Writer GatewayWriters::*shared) {
+    if (const auto phone = phones.find(device); phone != phones.end()) {
+      return &(gateway_writers.at(phone->second).*shared);
     }
-    const auto found = devices.find(message.device);
-    if (found == devices.end()) return NotOpen("device", message.device.text());
-    return Write(found->second.*own, message);
+    const auto found = devices.find(device);
+    return found == devices.end() ? nullptr : &(found->second.*own);
   }
 
   /// On DDS threads. A flood of names costs those their place that are not open yet; they ask
