@@ -139,7 +139,7 @@ std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
   if (!twin.empty()) return twin;
   const double focal_factor = best.answer.submap_from_camera->focal_factor;
   const AskedImage asked{&features,
-                         {request.camera.WithScaledFocal(focal_factor),
+                         {SensesIn(*best.submap, request).camera.WithScaledFocal(focal_factor),
                           best.pose->map_from_camera.rigid()}};
   return FindRivalOf(candidates, {&asked, 1}, options);
 }

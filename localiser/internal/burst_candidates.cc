@@ -84,7 +84,7 @@ std::vector<BurstCamera> CamerasIn(const OpenSubmap& submap, const AskedBurst& b
   const Eigen::Vector3d origin = burst.images.back().vo_from_camera.translation();
   std::vector<BurstCamera> cameras;
   for (const BurstImage& image : burst.images) {
-    cameras.push_back({image.request.camera,
+    cameras.push_back({SensesIn(submap, image.request).camera,
                        {image.vo_from_camera.rotation(),
                         submap_units_per_metre * (image.vo_from_camera.translation() - origin)}});
   }

@@ -35,8 +35,9 @@ std::vector<AskedImage> PlaceImages(const Candidate& candidate, const AskedBurst
   std::vector<AskedImage> placed;
   for (std::size_t i = 0; i < burst.images.size(); ++i) {
     const BurstImage& image = burst.images[i];
+    const CameraModel camera = SensesIn(*candidate.submap, image.request).camera;
     placed.push_back({&burst.features[i],
-                      {image.request.camera.WithScaledFocal(focal_factor),
+                      {camera.WithScaledFocal(focal_factor),
                        map_from_vo * image.vo_from_camera.rigid()}});
   }
   return placed;

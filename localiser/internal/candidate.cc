@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "localiser/internal/mapped_lens.h"
+
 namespace waymark::localiser::internal {
 namespace {
 
@@ -46,7 +48,7 @@ std::optional<std::string> FindContradiction(const Transform<Map, Camera>& map_f
 }
 
 ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& request) {
-  ImageSenses senses{request.camera, std::nullopt};
+  ImageSenses senses{MappedLens(request.camera, submap.view().cameras()), std::nullopt};
   if (request.up_in_camera) {
     const Eigen::Quaterniond& map_from_submap = submap.released().map_from_submap.sim().rotation();
     senses.up = mapping::SharedUp{request.up_in_camera->normalized(),
@@ -95,7 +97,7 @@ void TryWithoutGravity(std::span<Candidate> candidates, const LocalisationReques
     if (candidate.answer.submap_from_camera) continue;  // refused for another reason
     const OpenSubmap& submap = *candidate.submap;
     SubmapAnswer answer = std::move(candidate.answer);
-    submap.localiser().EstimatePose({request.camera, std::nullopt}, answer);
+    submap.localiser().EstimatePose({SensesIn(submap, request).camera, std::nullopt}, answer);
     candidate = CarryToMap(submap, std::move(answer), request, options);
   }
   std::stable_sort(candidates.begin(), candidates.end(), IsMoreConvincing);
