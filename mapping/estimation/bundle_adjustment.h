@@ -14,14 +14,15 @@
 
 namespace waymark::mapping {
 
-/// Intrinsics in an adjustment. The principal point never moves.
+/// Intrinsics in an adjustment. The principal point and tangential distortion never move: a lens
+/// off centre looks much like a camera that is turned.
 struct BundleCamera {
   CameraModel model;
   bool hold = true;
   CameraModel initial;              ///< the priors below pull towards it
   double focal_sigma_share = 0.05;  ///< of the initial focal length
   double aspect_sigma = 0.001;      ///< of the ratio of two focal lengths: pixels are made square
-  double lens_sigma = 0.1;          ///< of each distortion coefficient
+  double lens_sigma = 0.1;          ///< of each radial distortion coefficient
 };
 
 struct BundlePose {

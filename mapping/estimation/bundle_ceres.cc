@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "mapping/estimation/internal/bundle_costs.h"
+#include "mapping/estimation/internal/bundle_terms.h"
 
 namespace waymark::mapping {
 namespace {
@@ -180,8 +181,11 @@ class Adjustment {
       }
       const bool two_focals = kind == CameraKind::kPinhole || kind == CameraKind::kOpenCv;
       const int centre = two_focals ? 2 : 1;
-      subsets_.push_back(
-          std::make_unique<ceres::SubsetManifold>(count, std::vector<int>{centre, centre + 1}));
+      std::vector<int> held;
+      for (int p = 0; p < count; ++p) {
+        if (internal::NeverMoves(kind, p)) held.push_back(p);
+      }
+      subsets_.push_back(std::make_unique<ceres::SubsetManifold>(count, std::move(held)));
       problem_.SetManifold(block, subsets_.back().get());
       Eigen::VectorXd initial = Eigen::VectorXd::Ones(count);
       Eigen::VectorXd weights = Eigen::VectorXd::Zero(count);

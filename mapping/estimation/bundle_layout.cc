@@ -62,7 +62,7 @@ void BundleLayout::NumberBlocks(const BundleProblem& bundle) {
     const CameraKind kind = bundle.cameras[k].model.kind();
     std::vector<int>& parameters = free_parameters.emplace_back();
     for (int p = 0; p < static_cast<int>(ParameterCount(kind)); ++p) {
-      if (!IsPrincipalPoint(kind, p)) parameters.push_back(p);
+      if (!NeverMoves(kind, p)) parameters.push_back(p);
     }
     const bool is_free = camera_is_used[k] && !bundle.cameras[k].hold;
     camera_blocks.push_back(is_free ? take(parameters.size()) : -1);

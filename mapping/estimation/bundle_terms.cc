@@ -92,7 +92,7 @@ IntrinsicsTerm PriorOfIntrinsics(const BundleCamera& camera, const double* param
   const std::span<const double> initial = camera.initial.parameters();
   IntrinsicsTerm term{Eigen::Matrix<double, 9, 1>::Zero(), Eigen::Matrix<double, 9, 8>::Zero()};
   for (int p = 0; p < static_cast<int>(ParameterCount(kind)); ++p) {
-    if (IsPrincipalPoint(kind, p)) continue;
+    if (NeverMoves(kind, p)) continue;
     const double from = initial[static_cast<std::size_t>(p)];
     const double sigma = p < CentreOf(kind) ? camera.focal_sigma_share * from : camera.lens_sigma;
     term.residual(p) = (parameters[p] - from) / sigma;
@@ -107,8 +107,10 @@ IntrinsicsTerm PriorOfIntrinsics(const BundleCamera& camera, const double* param
   return term;
 }
 
-bool IsPrincipalPoint(CameraKind kind, int parameter) {
-  return parameter == CentreOf(kind) || parameter == CentreOf(kind) + 1;
+bool NeverMoves(CameraKind kind, int parameter) {
+  constexpr int kFirstTangential = 6;
+  return parameter == CentreOf(kind) || parameter == CentreOf(kind) + 1 ||
+         parameter >= kFirstTangential;
 }
 
 LossValue EvaluateLoss(ObservationLoss loss, double scale, double squared) {

@@ -6,6 +6,7 @@
 
 #include "mapping/sfm/internal/focal_guess.h"
 #include "mapping/sfm/internal/growth.h"
+#include "mapping/sfm/internal/lens.h"
 #include "mapping/sfm/internal/points.h"
 #include "mapping/sfm/internal/rig_scale.h"
 #include "mapping/sfm/internal/tracks.h"
@@ -173,8 +174,8 @@ Result<Reconstruction> ReconstructIncrementally(std::span<const SfmCamera> camer
   WAYMARK_TRY(options.Validate());
   WAYMARK_TRY(CheckInput(cameras, images, matches, rig_links));
   if (progress) progress("verifying pairs", 0);
-  const std::vector<SfmCamera> guessed =
-      internal::ImproveFocalGuesses(cameras, images, matches, options);
+  const std::vector<SfmCamera> guessed = internal::AllowDistortion(
+      internal::ImproveFocalGuesses(cameras, images, matches, options), images, options);
   const ViewGraph graph = internal::VerifyPairs(guessed, images, matches, options);
   if (graph.pairs.empty()) {
     return MakeError(ErrorCode::kNotFound,

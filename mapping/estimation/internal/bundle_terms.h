@@ -70,8 +70,8 @@ struct IntrinsicsTerm {
 };
 IntrinsicsTerm PriorOfIntrinsics(const BundleCamera& camera, const double* parameters);
 
-/// Whether the parameter is part of the principal point, which never moves.
-bool IsPrincipalPoint(CameraKind kind, int parameter);
+/// Whether the parameter is part of the principal point or a tangential coefficient.
+bool NeverMoves(CameraKind kind, int parameter);
 
 /// A robust loss of a squared norm, as half of it enters the cost.
 struct LossValue {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "mapping/base/log.h"
+#include "mapping/sfm/internal/lens.h"
 
 namespace waymark::mapping::internal {
 namespace {
@@ -19,7 +20,6 @@ constexpr double kRigCorrelation = 3;
 // Intrinsics move only once a camera has this many images; fewer cannot tell focal length from
 // depth.
 constexpr std::size_t kMinImagesToRefineCamera = 3;
-constexpr std::size_t kMinImagesToRefineLens = 10;  // nor focal length from distortion
 
 enum class Scope { kGlobal, kLocal };
 

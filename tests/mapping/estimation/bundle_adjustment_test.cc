@@ -190,6 +190,31 @@ TEST(AdjustBundle, FindsIntrinsicsButLeavesThePrincipalPoint) {
   EXPECT_NEAR(parameters[3], -0.05, 1e-4);
 }
 
+TEST(AdjustBundle, FindsRadialDistortionButLeavesTangential) {
+  const std::array bent{500.0, 500.0, 320.0, 240.0, -0.05, 0.0, 0.002, -0.001};
+  const std::array stated{500.0, 500.0, 320.0, 240.0, 0.0, 0.0, 0.002, -0.001};
+  BundleProblem truth = HeldAtTheBeginning(12);
+  const CameraModel lens = *CameraModel::Create(CameraKind::kOpenCv, 640, 480, bent);
+  for (BundleObservation& seen : truth.observations) {
+    seen.pixel_px = *lens.Project(PlaceOf(seen.pose).Inverse() * truth.points_in_world[seen.point]);
+  }
+  for (BundleSolver solver : {BundleSolver::kOwn, BundleSolver::kCeres}) {
+    BundleProblem problem = truth;
+    const CameraModel start = *CameraModel::Create(CameraKind::kOpenCv, 640, 480, stated);
+    problem.cameras[0] = {.model = start, .hold = false, .initial = start, .lens_sigma = 10};
+    ASSERT_TRUE(AdjustBundle(problem, {.solver = solver,
+                                       .max_iterations = 100,
+                                       .relative_tolerance = 1e-14,
+                                       .parallelism = {1}})
+                    .ok());
+    const auto found = problem.cameras[0].model.parameters();
+    EXPECT_NEAR(found[0], 500, 0.05);
+    EXPECT_NEAR(found[4], -0.05, 1e-3);
+    EXPECT_EQ(found[6], 0.002);
+    EXPECT_EQ(found[7], -0.001);
+  }
+}
+
 /// The step of the whole equations, without eliminating anything.
 Eigen::VectorXd StepByDefinition(const BundleProblem& problem, const BundleOptions& options,
                                  double damping) {
