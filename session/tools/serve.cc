@@ -59,7 +59,9 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   WAYMARK_TRY_ASSIGN(const FileLock map_lock, LockServed(map.folder(), map.ServeLockPath()));
   WAYMARK_TRY_ASSIGN(auto door, OpenDoor(arguments.security));
   WAYMARK_TRY_ASSIGN(auto store, content::OpenStore(arguments.store));
-  WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
+  const localiser::LocaliserOptions localising{
+      .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.localiser_memory_mb)};
+  WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, localising));
   WAYMARK_TRY_ASSIGN(const auto keeper, OpenKeeper(arguments, map.description()));
   const MakeLocalise make_localise = [&](std::shared_ptr<const localiser::Localiser> opened) {
     return Observed(MakeLocaliseFunction(std::move(opened), map.description()), keeper);

@@ -54,6 +54,11 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
       ->capture_default_str();
   app.add_option("--threads", arguments.server.localise.threads, "Images localised at once")
       ->capture_default_str();
+  app.add_option("--localiser-memory-mb", arguments.localiser_memory_mb,
+                 "Budget of submaps in memory, in 10^6 bytes; 0: all of them. What is asked for "
+                 "and is not there is opened, and that image waits")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
   app.add_option("--record", arguments.server.recording_file,
                  "New file for all that enters the session; waymark-replay takes it up");
   app.add_option(
