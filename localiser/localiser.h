@@ -102,7 +102,7 @@ struct LocaliserOptions {
   /// Inverted lists of a submap that a feature looks into; more find more, and take longer.
   std::size_t probes = 16;
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one
-  Angle max_gravity_error = Angle::Degrees(8);  ///< phones and submaps are each good to 1 or 2
+  Angle max_gravity_error = Angle::Degrees(4);  ///< phones and submaps are each good to 2
   /// Of submaps in memory, with the pages of their files; 0: no limit, all are opened at once.
   /// With one, a submap is opened when a request needs it, and that request waits: an answer from
   /// what happens to be open would depend on who asked before, and copies of a place that lie in

@@ -92,7 +92,7 @@ void AddSequential(const Sequences& sequences, const PairingOptions& options, Pa
   const auto neighbours = static_cast<std::size_t>(options.sequential_neighbours);
   for (const auto& [name, sequence] : sequences.by_name()) {
     for (std::size_t i = 0; i < sequence.size(); ++i) {
-      const auto add = [&](std::size_t step) {
+      const auto add = [i, &sequence = sequence, &pairs](std::size_t step) {
         if (i + step < sequence.size()) pairs.Add(sequence[i], sequence[i + step]);
       };
       for (std::size_t step = 1; step <= neighbours; ++step) add(step);

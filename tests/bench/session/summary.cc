@@ -44,7 +44,8 @@ double ShareOfFrames(const std::vector<Heard>& heard, double frame_hz) {
   }
   if (sent_s.empty()) return NAN;
   const auto [first, last] = std::ranges::minmax(sent_s);
-  const double begin_s = first + 1 / frame_hz;
+  // Between two ticks, lest the jitter of one decides whether its frames count.
+  const double begin_s = first + (1 + 0.5 / session::kTicksPerFrame) / frame_hz;
   const double due = std::floor((last - begin_s) * frame_hz - 1);
   const double end_s = begin_s + due / frame_hz;
   const auto came = std::ranges::count_if(
