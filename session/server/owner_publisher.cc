@@ -3,16 +3,9 @@
 
 #include <algorithm>
 
-#include "mapping/base/log.h"
+#include "session/server/internal/log_failure.h"
 
 namespace waymark::session {
-namespace {
-
-void LogFailure(const Result<void>& result) {
-  if (!result.ok()) LogWarning("not sent: {}", ToString(result.error()));
-}
-
-}  // namespace
 
 void OwnerPublisher::Do(const effect::SendOwn& effect, ServerTime now) {
   Told& told = told_[effect.device];

@@ -19,7 +19,7 @@ class OwnerPublisher {
 
   void Do(const effect::SendOwn& effect, ServerTime now);
   void Do(const effect::SendOwnChange& effect, ServerTime now);
-  /// Its line is about to be closed, or opened another way.
+  /// It has left, or its line is about to be opened another way.
   void Forget(const DeviceId& device);
   /// Forgets what has been over for so long.
   void Tend(ServerTime now, std::chrono::nanoseconds memory_of_ends);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "mapping/base/log.h"
+#include "session/server/internal/log_failure.h"
 
 namespace waymark::session {
 namespace {
@@ -13,10 +14,6 @@ constexpr std::chrono::seconds kMemoryOfEnds{30};  // ten leases: who missed it 
 constexpr int kMaxRefusalsLogged = 5;              // in a second
 constexpr std::size_t kMaxRefusedDevices = 512;    // so that they take no places from others
 constexpr std::size_t kMaxOpenDevices = 4096;      // beyond it hellos are not answered
-
-void LogFailure(const Result<void>& result) {
-  if (!result.ok()) LogWarning("not sent: {}", ToString(result.error()));
-}
 
 }  // namespace
 
@@ -74,6 +71,7 @@ void Publisher::Do(const effect::SendWelcome& effect, ServerTime now) {
 }
 
 void Publisher::Do(const effect::CloseDevice& effect, ServerTime now) {
+  owners_.Forget(effect.device);  // or its return would begin with what held before it left
   closing_devices_.insert_or_assign(effect.device, now);
   const auto open = open_devices_.find(effect.device);
   if (open == open_devices_.end()) return;
@@ -174,7 +172,6 @@ void Publisher::Tend(ServerTime now) {
       ++device;
       continue;
     }
-    owners_.Forget(device->first);
     bus_.CloseDevice(device->first);
     open_devices_.erase(device->first);
     device = closing_devices_.erase(device);
