@@ -9,10 +9,7 @@
 #include <vector>
 
 #include "localiser/internal/ambiguity.h"
-#include "localiser/internal/burst_candidates.h"
-#include "localiser/internal/burst_checks.h"
-#include "localiser/internal/candidate.h"
-#include "localiser/internal/release_submaps.h"
+#include "localiser/internal/localiser_impl.h"
 #include "localiser/internal/request_checks.h"
 #include "mapping/base/stopwatch.h"
 
@@ -36,18 +33,6 @@ bool IsNear(const mapping::ReleasedSubmap& submap, const std::optional<PositionP
   return offset.head<2>().norm() <= submap.radius_m + prior->radius_m;
 }
 
-std::string DescribeMissing(const internal::TakenSubmaps& taken) {
-  if (taken.failures == 0) return {};
-  return fmt::format("; {} submaps could not be opened, the first: {}", taken.failures,
-                     taken.failure);
-}
-
-Localisation Refused(Localisation answer, LocalisationStatus status, std::string reason) {
-  answer.status = status;
-  answer.reason = std::move(reason);
-  return answer;
-}
-
 LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, int min_inliers) {
   const bool has_matches =
       std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
@@ -58,23 +43,17 @@ LocalisationStatus StatusOfRefusals(const std::vector<Candidate>& candidates, in
 
 }  // namespace
 
-struct Localiser::Impl {
-  LocaliserOptions options;
-  std::uint64_t epoch = 0;
-  internal::ReleaseSubmaps submaps;
+std::string internal::DescribeMissing(const TakenSubmaps& taken) {
+  if (taken.failures == 0) return {};
+  return fmt::format("; {} submaps could not be opened, the first: {}", taken.failures,
+                     taken.failure);
+}
 
-  Localisation Answer(const LocalisationRequest& request) const;
-  Localisation Answer(const BurstRequest& burst) const;
-  Result<ImageFeatures> FeaturesOf(const LocalisationRequest& request, StageTimes& times) const;
-  void Search(const LocalisationRequest& request, const ImageFeatures& features,
-              Localisation& answer) const;
-  /// Whether the images together decide; if not, answer.reason says why.
-  bool SearchTogether(const internal::AskedBurst& burst, Localisation& answer) const;
-  internal::TakenSubmaps TakeNear(const std::optional<PositionPrior>& prior,
-                                  StageTimes& times) const;
-  std::vector<Candidate> Ask(std::span<const OpenSubmap> near, const LocalisationRequest& request,
-                             const ImageFeatures& features, StageTimes& times) const;
-};
+Localisation internal::Refused(Localisation answer, LocalisationStatus status, std::string reason) {
+  answer.status = status;
+  answer.reason = std::move(reason);
+  return answer;
+}
 
 Result<ImageFeatures> Localiser::Impl::FeaturesOf(const LocalisationRequest& request,
                                                   StageTimes& times) const {
@@ -92,75 +71,16 @@ Localisation Localiser::Impl::Answer(const LocalisationRequest& request) const {
   Localisation answer;
   answer.epoch = epoch;
   if (const auto contradiction = internal::FindContradiction(request)) {
-    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest, *contradiction);
+    return internal::Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
+                             *contradiction);
   }
   const auto features = FeaturesOf(request, answer.times);
   if (!features) {
-    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
-                   ToString(features.error()));
+    return internal::Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
+                             ToString(features.error()));
   }
   Search(request, *features, answer);
   return answer;
-}
-
-Localisation Localiser::Impl::Answer(const BurstRequest& burst) const {
-  Localisation answer;
-  answer.epoch = epoch;
-  if (const auto contradiction = internal::FindContradiction(burst, options.max_gravity_error)) {
-    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest, *contradiction);
-  }
-  std::vector<BurstImage> images = burst.images;
-  std::vector<ImageFeatures> features;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    auto& [request, vo_from_camera] = images[i];
-    auto found = FeaturesOf(request, answer.times);
-    if (!found) {
-      return Refused(std::move(answer), LocalisationStatus::kInvalidRequest,
-                     fmt::format("image {} of {}: {}", i + 1, images.size(),
-                                 ToString(found.error())));
-    }
-    features.push_back(*std::move(found));
-    if (!request.up_in_camera) request.up_in_camera = internal::UpInCamera(vo_from_camera);
-  }
-  if (SearchTogether({images, features}, answer)) return answer;
-  const std::string together = std::move(answer.reason);
-  Search(images.back().request, features.back(), answer);
-  answer.reason = fmt::format("all {} images: {}; the last alone: {}", images.size(), together,
-                              answer.reason);
-  return answer;
-}
-
-bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
-                                     Localisation& answer) const {
-  const internal::TakenSubmaps taken = TakeNear(burst.last().prior, answer.times);
-  if (taken.submaps.empty()) {
-    answer.reason = "no submap to search";
-    return false;
-  }
-  std::vector<Candidate> candidates =
-      internal::AskBurst(taken.submaps, burst, submaps.quantiser(), options, answer.times);
-  Candidate& best = candidates.front();
-  if (!best.pose) {
-    answer.reason = best.refusal;
-    return false;
-  }
-  const Stopwatch watch;
-  const auto odometry = internal::FindOdometryContradiction(best, burst);
-  auto refusal = odometry ? odometry : internal::FindContradiction(best, burst, options);
-  if (!refusal) refusal = internal::FindBurstAmbiguity(candidates, burst, options);
-  answer.times.pose_ms += 1e3 * watch.ElapsedS();
-  if (refusal) {
-    answer.status = LocalisationStatus::kNoConsistentPose;
-    answer.reason = *std::move(refusal);
-    return !odometry;
-  }
-  answer.status = LocalisationStatus::kLocalised;
-  answer.reason = fmt::format("{} landmarks in {} of {} images agree in submap {}, one of {} searched{}",
-                              best.pose->inliers, best.pose->images, burst.images.size(),
-                              best.submap->released().id.text(), taken.submaps.size(),
-                              DescribeMissing(taken));
-  answer.pose = std::move(best.pose);
-  return true;
 }
 
 internal::TakenSubmaps Localiser::Impl::TakeNear(const std::optional<PositionPrior>& prior,
@@ -212,7 +132,7 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
   }
   const internal::TakenSubmaps taken = TakeNear(request.prior, answer.times);
   const std::vector<OpenSubmap>& near = taken.submaps;
-  const std::string missing = DescribeMissing(taken);
+  const std::string missing = internal::DescribeMissing(taken);
   if (near.empty()) {
     if (taken.failures > 0) return refuse(LocalisationStatus::kNothingNear, "none" + missing);
     return refuse(LocalisationStatus::kNothingNear,
@@ -258,13 +178,6 @@ std::uint64_t Localiser::epoch() const { return impl_->epoch; }
 std::size_t Localiser::submap_count() const { return impl_->submaps.size(); }
 const LocaliserOptions& Localiser::options() const { return impl_->options; }
 LocaliserMemory Localiser::memory() const { return impl_->submaps.memory(); }
-
-Localisation Localiser::Localise(const BurstRequest& burst) const {
-  const Stopwatch watch;
-  Localisation answer = impl_->Answer(burst);
-  answer.times.total_ms = 1e3 * watch.ElapsedS();
-  return answer;
-}
 
 Localisation Localiser::Localise(const LocalisationRequest& request) const {
   const Stopwatch watch;

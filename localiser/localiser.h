@@ -119,7 +119,7 @@ struct LocaliserMemory {
   std::size_t resident_bytes = 0;
   std::size_t peak_bytes = 0;  ///< of resident_bytes
   std::size_t resident_submaps = 0;
-  std::uint64_t openings = 0;   ///< while serving
+  std::uint64_t openings = 0;  ///< while serving
   std::uint64_t evictions = 0;
   double opening_ms = 0;  ///< of all openings together
 };
@@ -130,10 +130,10 @@ class Localiser {
  public:
   /// Opens every submap of the release and indexes its descriptors, on all cores; calls the C
   /// library's srand. With a memory budget it opens them to check them, and closes them again; then
-  /// a submap whose file is gone later is left out of answers, whose reason says so. With `before`, made with the same options for another release of the map,
-  /// submaps that both have are shared with it: only new ones are read.
-  /// Errors: those of the map directory and its submaps; Corrupt when a file is not what its name,
-  /// a content hash, says or the release places it nowhere.
+  /// a submap whose file is gone later is left out of answers, whose reason says so. With `before`,
+  /// made with the same options for another release of the map, submaps that both have are shared
+  /// with it: only new ones are read. Errors: those of the map directory and its submaps; Corrupt
+  /// when a file is not what its name, a content hash, says or the release places it nowhere.
   static Result<std::shared_ptr<const Localiser>> Create(const mapping::MapDirectory& map,
                                                          const mapping::Release& release,
                                                          const LocaliserOptions& options,

@@ -32,7 +32,7 @@ std::optional<std::size_t> LowerBound(const SqliteInnerPage& page, const IsBelow
 }  // namespace
 
 SqliteReadAhead::SqliteReadAhead(const std::filesystem::path& file, const Roots& roots)
-    : file_(file), states_{.root = roots.states}, places_{.root = roots.places} {
+    : states_{.root = roots.states}, places_{.root = roots.places} {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return;
   device_ = status.st_dev;
@@ -86,7 +86,7 @@ const SqliteReadAhead::Page* SqliteReadAhead::Read(std::uint32_t number) {
   return &read_.emplace_back(number, std::move(page)).second;
 }
 
-void SqliteReadAhead::Want(Tree& tree, const Choose& first, const Choose& last) {
+void SqliteReadAhead::Want(const Tree& tree, const Choose& first, const Choose& last) {
   std::uint32_t number = tree.root;
   for (int level = 1; level <= tree.depth; ++level) {
     const Page* const page = Read(number);

@@ -43,10 +43,9 @@ class SqliteReadAhead {
   bool IsOpen();
   int FindDepth(std::uint32_t root);
   const Page* Read(std::uint32_t number);
-  void Want(Tree& tree, const Choose& first, const Choose& last);
+  void Want(const Tree& tree, const Choose& first, const Choose& last);
   void Measure();
 
-  const std::filesystem::path file_;
   int borrowed_ = -1;  // SQLite's own descriptor: closing one of ours would end its locks
   std::uint64_t device_ = 0, inode_ = 0;
   std::size_t page_bytes_ = 0;

@@ -29,7 +29,8 @@ std::optional<std::string> FindAmbiguity(std::span<const Candidate> candidates,
                                          const LocaliserOptions& options);
 
 /// The first and the last way, which do not care how many images were asked; features of
-/// resemblances are numbered on from image to image. Without a focal factor: placed cameras have it.
+/// resemblances are numbered on from image to image. Without a focal factor: placed cameras have
+/// it.
 std::optional<std::string> FindOtherCandidate(std::span<const Candidate> candidates);
 std::optional<std::string> FindRivalOf(std::span<const Candidate> candidates,
                                        std::span<const AskedImage> images,

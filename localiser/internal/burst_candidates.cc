@@ -16,24 +16,13 @@ namespace {
 
 constexpr double kDriftShare = 0.02;  // of the way between images, what odometry is good to
 
-void Append(std::uint32_t image, const ImageMatches& matches, ImageMatches& all) {
-  const auto append = [](auto& to, const auto& from) {
-    to.insert(to.end(), from.begin(), from.end());
-  };
-  append(all.pixels_px, matches.pixels_px);
-  append(all.points_in_submap, matches.points_in_submap);
-  append(all.quality, matches.quality);
-  append(all.landmarks, matches.landmarks);
-  all.images.resize(all.size(), image);
-}
-
 SubmapAnswer FindMatches(const OpenSubmap& submap, const AskedBurst& burst,
                          std::span<const RankedCells> cells) {
   SubmapAnswer all;
   std::uint32_t features_before = 0;
   for (std::uint32_t i = 0; i < burst.images.size(); ++i) {
     const SubmapAnswer own = submap.localiser().FindMatches(burst.features[i], cells[i]);
-    Append(i, own.matches, all.matches);
+    for (std::size_t k = 0; k < own.matches.size(); ++k) all.matches.Add(own.matches, k, i);
     for (Resemblance found : own.resemblances) {
       found.feature += features_before;
       all.resemblances.push_back(found);
@@ -50,31 +39,34 @@ void InflateForRepetition(const BurstEvidence& evidence, mapping::AbsolutePose& 
       static_cast<double>(pose.inliers.size()) / static_cast<double>(evidence.landmarks);
 }
 
-void EstimatePose(const OpenSubmap& submap, const AskedBurst& burst,
-                  const LocaliserOptions& options, SubmapAnswer& answer) {
+/// What the pose rests on; nullopt: there is none, or it is refused.
+std::optional<BurstEvidence> EstimatePose(const OpenSubmap& submap, const AskedBurst& burst,
+                                          const LocaliserOptions& options, SubmapAnswer& answer) {
   const std::vector<BurstCamera> cameras = CamerasIn(submap, burst);
   const auto submap_from_vo =
       EstimateBurstPose(cameras, answer.matches, BurstPoseOptionsIn(submap, options));
   if (!submap_from_vo) {
     answer.refusal = fmt::format("no pose agrees with {} of {} matches of {} images",
                                  options.min_inliers, answer.matches.size(), cameras.size());
-    return;
+    return std::nullopt;
   }
-  mapping::AbsolutePose pose = PoseOfImage(*submap_from_vo, cameras, answer.matches,
-                                           cameras.size() - 1, kDriftShare);
-  const BurstEvidence evidence = CountEvidence(answer.matches, pose);
+  mapping::AbsolutePose pose =
+      PoseOfImage(*submap_from_vo, cameras, answer.matches, cameras.size() - 1, kDriftShare);
+  BurstEvidence evidence = CountEvidence(answer.matches, pose);
   answer.median_distance_m = evidence.median_distance;
   InflateForRepetition(evidence, pose);
   pose.covariance = StatedCovariance(pose.covariance, cameras.back().camera);
   if (auto refusal = FindReasonToRefuseBurst(cameras, answer.matches, pose, options.min_inliers,
                                              options.max_error_px)) {
     answer.refusal = *std::move(refusal);
-  } else if (auto lens = FindLensContradiction(
-                 pose.inliers.size(), pose.focal_factor, options.focal_sigma_share)) {
+  } else if (auto lens = FindLensContradiction(pose.inliers.size(), pose.focal_factor,
+                                               options.focal_sigma_share)) {
     answer.refusal = *std::move(lens);
   } else {
     answer.submap_from_camera = std::move(pose);
+    return evidence;
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -114,13 +106,11 @@ std::vector<Candidate> AskBurst(std::span<const OpenSubmap> near, const AskedBur
     SubmapAnswer answer = FindMatches(submap, burst, cells);
     times.search_ms += answer.search_ms;
     const Stopwatch watch;
-    EstimatePose(submap, burst, options, answer);
+    const auto evidence = EstimatePose(submap, burst, options, answer);
     Candidate candidate = CarryToMap(submap, std::move(answer), burst.last(), options);
     if (candidate.pose) {
-      const BurstEvidence evidence =
-          CountEvidence(candidate.answer.matches, *candidate.answer.submap_from_camera);
-      candidate.pose->inliers = static_cast<int>(evidence.landmarks);
-      candidate.pose->images = static_cast<int>(evidence.images);
+      candidate.pose->inliers = static_cast<int>(evidence->landmarks);
+      candidate.pose->images = static_cast<int>(evidence->images);
     }
     candidates.push_back(std::move(candidate));
     times.pose_ms += 1e3 * watch.ElapsedS();

@@ -18,11 +18,7 @@ constexpr double kKeptShare = 0.6;  // of an image's own inliers
 ImageMatches OfImage(const ImageMatches& all, std::uint32_t image) {
   ImageMatches matches;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all.images[i] != image) continue;
-    matches.pixels_px.push_back(all.pixels_px[i]);
-    matches.points_in_submap.push_back(all.points_in_submap[i]);
-    matches.quality.push_back(all.quality[i]);
-    matches.landmarks.push_back(all.landmarks[i]);
+    if (all.images[i] == image) matches.Add(all, i, std::nullopt);
   }
   return matches;
 }
@@ -36,9 +32,9 @@ std::vector<AskedImage> PlaceImages(const Candidate& candidate, const AskedBurst
   for (std::size_t i = 0; i < burst.images.size(); ++i) {
     const BurstImage& image = burst.images[i];
     const CameraModel camera = SensesIn(*candidate.submap, image.request).camera;
-    placed.push_back({&burst.features[i],
-                      {camera.WithScaledFocal(focal_factor),
-                       map_from_vo * image.vo_from_camera.rigid()}});
+    placed.push_back(
+        {&burst.features[i],
+         {camera.WithScaledFocal(focal_factor), map_from_vo * image.vo_from_camera.rigid()}});
   }
   return placed;
 }
@@ -80,9 +76,9 @@ std::optional<std::string> FindOdometryContradiction(const Candidate& candidate,
     submap.localiser().EstimatePose(SensesIn(submap, burst.images[i].request), own);
     if (!own.submap_from_camera) continue;
     const std::size_t alone = own.submap_from_camera->inliers.size();
-    const auto kept = std::ranges::count_if(
-        candidate.answer.submap_from_camera->inliers,
-        [&](std::uint32_t inlier) { return matches.images[inlier] == i; });
+    const auto kept =
+        std::ranges::count_if(candidate.answer.submap_from_camera->inliers,
+                              [&](std::uint32_t inlier) { return matches.images[inlier] == i; });
     if (static_cast<double>(kept) >= kKeptShare * static_cast<double>(alone)) continue;
     return fmt::format("odometry contradicts image {} of {}: {} inliers alone, {} with the others",
                        i + 1, burst.images.size(), alone, kept);
@@ -102,9 +98,9 @@ std::optional<std::string> FindContradiction(const Candidate& candidate, const A
                                              const LocaliserOptions& options) {
   const std::vector<AskedImage> placed = PlaceImages(candidate, burst);
   for (std::size_t i = 0; i < placed.size(); ++i) {
-    if (auto contradiction = FindContradiction(
-            Transform<Map, Camera>(placed[i].placed.map_from_camera), candidate.pose->inliers,
-            burst.images[i].request, options)) {
+    if (auto contradiction =
+            FindContradiction(Transform<Map, Camera>(placed[i].placed.map_from_camera),
+                              candidate.pose->inliers, burst.images[i].request, options)) {
       return fmt::format("image {} of {}: {}", i + 1, placed.size(), *contradiction);
     }
   }

@@ -29,8 +29,7 @@ std::vector<std::uint32_t> OnePerLandmark(const ImageMatches& matches,
 /// Parts as large as those of the last camera's image, around it: a landmark lies in one of them,
 /// from wherever it was seen.
 std::size_t CountParts(const CameraModel& camera, const ImageMatches& matches,
-                       const mapping::AbsolutePose& pose,
-                       std::span<const std::uint32_t> inliers) {
+                       const mapping::AbsolutePose& pose, std::span<const std::uint32_t> inliers) {
   const double wide_rad = 2 * std::atan(0.5 * camera.width_px() / camera.FocalX()) / kImageParts;
   const double high_rad = 2 * std::atan(0.5 * camera.height_px() / camera.FocalY()) / kImageParts;
   const Rigid3 camera_from_submap = pose.world_from_camera.Inverse();
@@ -48,24 +47,27 @@ std::size_t CountParts(const CameraModel& camera, const ImageMatches& matches,
 }  // namespace
 
 BurstEvidence CountEvidence(const ImageMatches& matches, const mapping::AbsolutePose& pose) {
-  const std::vector<std::uint32_t> inliers = OnePerLandmark(matches, pose);
+  BurstEvidence evidence{.inliers = OnePerLandmark(matches, pose)};
+  evidence.landmarks = evidence.inliers.size();
   std::set<std::uint32_t> images;
   for (const std::uint32_t inlier : pose.inliers) images.insert(matches.images[inlier]);
   std::vector<double> distances;
-  for (const std::uint32_t inlier : inliers) {
+  for (const std::uint32_t inlier : evidence.inliers) {
     distances.push_back(
         (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
   }
-  return {inliers.size(), images.size(), Median(std::move(distances))};
+  evidence.images = images.size();
+  evidence.median_distance = Median(std::move(distances));
+  return evidence;
 }
 
 std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> cameras,
                                                    const ImageMatches& matches,
                                                    const mapping::AbsolutePose& pose,
                                                    int min_landmarks, double max_error_px) {
-  const std::vector<std::uint32_t> inliers = OnePerLandmark(matches, pose);
-  if (inliers.size() < static_cast<std::size_t>(min_landmarks)) {
-    return fmt::format("the inliers show {} landmarks, at least {} are needed", inliers.size(),
+  const BurstEvidence evidence = CountEvidence(matches, pose);
+  if (evidence.landmarks < static_cast<std::size_t>(min_landmarks)) {
+    return fmt::format("the inliers show {} landmarks, at least {} are needed", evidence.landmarks,
                        min_landmarks);
   }
   const std::set<std::uint32_t> landmarks(matches.landmarks.begin(), matches.landmarks.end());
@@ -75,11 +77,11 @@ std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> 
   }
   return FindReasonToRefuse(
       CountedEvidence{.matches = landmarks.size(),
-                      .inliers = inliers.size(),
+                      .inliers = evidence.landmarks,
                       .chance = chance / static_cast<double>(landmarks.size()),
-                      .parts = CountParts(cameras.back().camera, matches, pose, inliers),
+                      .parts = CountParts(cameras.back().camera, matches, pose, evidence.inliers),
                       .position_covariance = pose.covariance.topLeftCorner<3, 3>(),
-                      .median_distance_m = CountEvidence(matches, pose).median_distance});
+                      .median_distance_m = evidence.median_distance});
 }
 
 }  // namespace waymark::localiser::internal

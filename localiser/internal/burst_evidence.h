@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "localiser/internal/image_matches.h"
 #include "mapping/estimation/absolute_pose.h"
@@ -14,8 +16,9 @@ namespace waymark::localiser::internal {
 /// What a burst's pose rests on. Pictures of one thing are no independent witnesses: whoever is
 /// mistaken about it once will be again, so landmarks are counted, not matches.
 struct BurstEvidence {
-  std::size_t landmarks = 0;  ///< that inliers show
-  std::size_t images = 0;     ///< that show inliers
+  std::vector<std::uint32_t> inliers;  ///< the first of each landmark
+  std::size_t landmarks = 0;           ///< that inliers show
+  std::size_t images = 0;              ///< that show inliers
   double median_distance = 0;  ///< from the last image to those landmarks, in the submap's units
 };
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localiser/internal/burst_pose.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -10,7 +8,7 @@
 
 #include "localiser/internal/burst_problem.h"
 #include "localiser/internal/burst_refinement.h"
-#include "mapping/base/median.h"
+#include "mapping/estimation/pose_statistics.h"
 #include "mapping/estimation/robust_loop.h"
 
 namespace waymark::localiser::internal {
@@ -18,18 +16,17 @@ namespace {
 
 using mapping::AbsolutePose;
 
-constexpr double kMinPixelSigma = 0.25;  // below this no detector localises
+constexpr double kConfidence = 0.9999;  // of the robust loop's draws
 
 /// Robust, of the chosen matches.
 double SigmaPx(std::span<const BurstCamera> cameras, const ImageMatches& matches,
                std::span<const std::uint32_t> chosen, const BurstState& state) {
-  constexpr double kMedianLengthOfUnitSigma = 1.177;  // of two normal components
   std::vector<double> errors_px;
   for (const std::uint32_t i : chosen) {
     const auto residual_px = BurstResidualPx(cameras, matches, i, state);
     errors_px.push_back(residual_px ? residual_px->norm() : 1e9);
   }
-  return std::max(kMinPixelSigma, Median(std::move(errors_px)) / kMedianLengthOfUnitSigma);
+  return mapping::RobustSigmaPx(std::move(errors_px));
 }
 
 // Another focal length is taken only where it explains the matches much better, as for one image.
@@ -38,10 +35,8 @@ std::optional<RefinedBurst> RefineWithDoubtfulFocal(std::span<const BurstCamera>
                                                     std::span<const std::uint32_t> chosen,
                                                     const BurstState& start,
                                                     const BurstPoseOptions& options) {
-  constexpr double kHuberSigmas = 1.345;  // 95 % efficiency
-  constexpr double kMuchBetter = 0.8;
   const double sigma_px = SigmaPx(cameras, matches, chosen, start);
-  BurstRefinementOptions refining{.huber_px = kHuberSigmas * sigma_px,
+  BurstRefinementOptions refining{.huber_px = mapping::kHuberSigmas * sigma_px,
                                   .scale_sigma_share = options.scale_sigma_share,
                                   .pixel_sigma_px = sigma_px};
   BurstState as_stated = start;
@@ -50,19 +45,9 @@ std::optional<RefinedBurst> RefineWithDoubtfulFocal(std::span<const BurstCamera>
   if (!stated || options.focal_sigma_share == 0) return stated;
   refining.focal_sigma_share = options.focal_sigma_share;
   auto free = RefineBurst(cameras, matches, chosen, stated->state, refining);
-  if (!free || free->weighted_squares > kMuchBetter * stated->weighted_squares) return stated;
-  return free;
-}
-
-// After so many draws a pose with the least inliers asked for would have been found, if there were
-// one; twice, because samples carry noise.
-int DrawsWorthMaking(std::size_t matches, const BurstPoseOptions& options) {
-  constexpr double kLeast = 200;
-  constexpr double kConfidence = 0.9999;
-  const double share = static_cast<double>(options.min_inliers) / static_cast<double>(matches);
-  const double needed = 2 * std::log1p(-kConfidence) / std::log1p(-std::min(share * share, 0.99));
-  return std::min(options.max_draws,
-                  static_cast<int>(std::clamp(needed, kLeast, double{1} * (1 << 30))));
+  const bool is_free_better =
+      free && mapping::IsFocalMuchBetter(free->weighted_squares, stated->weighted_squares);
+  return is_free_better ? free : stated;
 }
 
 /// Repeats refinement and the choice of inliers until they stay. nullopt: too few are left.
@@ -70,9 +55,8 @@ std::optional<RefinedBurst> Polish(std::span<const BurstCamera> cameras,
                                    const ImageMatches& matches, const BurstProblem& problem,
                                    const BurstPoseOptions& options, BurstState state,
                                    std::vector<std::uint32_t>& inliers) {
-  constexpr int kRounds = 4;
   std::optional<RefinedBurst> refined;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < mapping::kRefinementRounds; ++round) {
     refined = RefineWithDoubtfulFocal(cameras, matches, inliers, state, options);
     if (!refined) return std::nullopt;
     state = refined->state;
@@ -94,7 +78,9 @@ std::optional<AbsolutePose> EstimateBurstPose(std::span<const BurstCamera> camer
   const BurstProblem problem(cameras, matches, options.up_in_submap, options.max_error_px);
   auto fit = mapping::RunRobustLoop(problem, matches.quality,
                                     {.min_inliers = min_inliers,
-                                     .max_iterations = DrawsWorthMaking(matches.size(), options),
+                                     .max_iterations = mapping::DrawsWorthMaking(
+                                         matches.size(), BurstProblem::kSampleSize,
+                                         options.min_inliers, kConfidence, options.max_draws),
                                      .seed = options.seed});
   if (!fit) return std::nullopt;
   const auto refined = Polish(cameras, matches, problem, options, {fit->model}, fit->inliers);
@@ -103,20 +89,15 @@ std::optional<AbsolutePose> EstimateBurstPose(std::span<const BurstCamera> camer
   for (const std::uint32_t i : fit->inliers) {
     squares += BurstResidualPx(cameras, matches, i, refined->state)->squaredNorm();
   }
-  const auto count = static_cast<double>(fit->inliers.size());
-  const double variance =
-      std::max(kMinPixelSigma * kMinPixelSigma, squares / std::max(1.0, 2 * count - 6));
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> information(refined->information);
-  if (!(information.vectorD().minCoeff() > 0)) return std::nullopt;
-  AbsolutePose pose{
-      .world_from_camera = refined->state.submap_from_vo,
-      .focal_factor = refined->state.focal_factor,
-      .inliers = std::move(fit->inliers),
-      .rms_px = std::sqrt(squares / count),
-      .covariance = variance * information.solve(Eigen::Matrix<double, 6, 6>::Identity()),
-      .iterations = fit->iterations};
-  if (!pose.covariance.allFinite()) return std::nullopt;
-  return pose;
+  const std::size_t count = fit->inliers.size();
+  const auto covariance = mapping::PoseCovariance(refined->information, squares, count);
+  if (!covariance) return std::nullopt;
+  return AbsolutePose{.world_from_camera = refined->state.submap_from_vo,
+                      .focal_factor = refined->state.focal_factor,
+                      .inliers = std::move(fit->inliers),
+                      .rms_px = std::sqrt(squares / static_cast<double>(count)),
+                      .covariance = *covariance,
+                      .iterations = fit->iterations};
 }
 
 AbsolutePose PoseOfImage(const AbsolutePose& submap_from_vo, std::span<const BurstCamera> cameras,
@@ -126,8 +107,8 @@ AbsolutePose PoseOfImage(const AbsolutePose& submap_from_vo, std::span<const Bur
   pose.world_from_camera = submap_from_vo.world_from_camera * vo_from_camera;
   // A shift of odometry's frame shifts its images; a turn moves those far from its origin.
   Eigen::Matrix<double, 6, 6> jacobian = Eigen::Matrix<double, 6, 6>::Identity();
-  jacobian.topRightCorner<3, 3>() = -CrossMatrix(submap_from_vo.world_from_camera.rotation() *
-                                                 vo_from_camera.translation());
+  jacobian.topRightCorner<3, 3>() =
+      -CrossMatrix(submap_from_vo.world_from_camera.rotation() * vo_from_camera.translation());
   pose.covariance = jacobian * submap_from_vo.covariance * jacobian.transpose();
   double way = 0;
   for (const std::uint32_t i : pose.inliers) {

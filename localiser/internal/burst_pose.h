@@ -36,8 +36,7 @@ std::optional<mapping::AbsolutePose> EstimateBurstPose(std::span<const BurstCame
 /// The pose of one of the images, with its own covariance; odometry adds `drift_share` of the way
 /// between the image and those that show the inliers.
 mapping::AbsolutePose PoseOfImage(const mapping::AbsolutePose& submap_from_vo,
-                                  std::span<const BurstCamera> cameras,
-                                  const ImageMatches& matches, std::size_t image,
-                                  double drift_share);
+                                  std::span<const BurstCamera> cameras, const ImageMatches& matches,
+                                  std::size_t image, double drift_share);
 
 }  // namespace waymark::localiser::internal

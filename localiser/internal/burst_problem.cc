@@ -39,16 +39,15 @@ void BurstProblem::AddMatch(std::size_t i) {
           .by_normalized /
       max_error_px_;
   const Eigen::Vector3f p = (point - centre_).cast<float>();
-  views_[matches_.images[i]].table.Add(p.x(), p.y(), p.z(), static_cast<float>(uv.x()),
-                                       static_cast<float>(uv.y()),
-                                       static_cast<float>(stretch.col(0).norm()),
-                                       static_cast<float>(stretch.col(1).norm()));
+  views_[matches_.images[i]].table.Add(
+      p.x(), p.y(), p.z(), static_cast<float>(uv.x()), static_cast<float>(uv.y()),
+      static_cast<float>(stretch.col(0).norm()), static_cast<float>(stretch.col(1).norm()));
 }
 
 void BurstProblem::Solve(std::span<const std::uint32_t> sample, std::vector<Rigid3>& models) const {
   const std::size_t known = models.size();
-  SolveUprightRig({rays_[sample[0]], rays_[sample[1]]},
-                  {points_in_upright_[sample[0]], points_in_upright_[sample[1]]}, models);
+  mapping::SolveUprightRig({rays_[sample[0]], rays_[sample[1]]},
+                           {points_in_upright_[sample[0]], points_in_upright_[sample[1]]}, models);
   const Rigid3 submap_from_upright(submap_from_upright_, Eigen::Vector3d::Zero());
   for (std::size_t i = known; i < models.size(); ++i) models[i] = submap_from_upright * models[i];
 }

@@ -8,8 +8,8 @@
 
 #include "localiser/internal/burst_refinement.h"
 #include "localiser/internal/image_matches.h"
-#include "localiser/internal/upright_rig.h"
 #include "mapping/estimation/reprojection_table.h"
+#include "mapping/estimation/upright_rig.h"
 
 namespace waymark::localiser::internal {
 
@@ -51,7 +51,7 @@ class BurstProblem {
   Eigen::Quaterniond submap_from_upright_;
   Eigen::Vector3d centre_ = Eigen::Vector3d::Zero();  // of the matches' points
   std::vector<View> views_;                           // one per camera
-  std::vector<Ray> rays_;                             // one per match
+  std::vector<mapping::Ray> rays_;                    // one per match
   std::vector<Eigen::Vector3d> points_in_upright_;
 };
 

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "localiser/internal/burst_query.h"
 
-#include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "localiser/internal/query_images.h"
 #include "mapping/base/file.h"
+#include "mapping/io/tum_trajectory.h"
 
 namespace waymark::localiser::internal {
 namespace {
 
-Result<Rigid3> FindPose(const OdometryPoses& poses, const BurstQuery& query,
+Result<Rigid3> FindPose(const mapping::NamedPoses& poses, const BurstQuery& query,
                         const std::filesystem::path& image) {
-  for (const std::string& name : {image.string(), image.filename().string(), image.stem().string()}) {
+  for (const std::string& name :
+       {image.string(), image.filename().string(), image.stem().string()}) {
     if (const auto found = poses.find(name); found != poses.end()) return found->second;
   }
   return MakeError(ErrorCode::kNotFound, "{}: expected a pose of {}, found {} others",
@@ -31,28 +31,6 @@ Result<LocalisationRequest> LoadRequest(const std::filesystem::path& image,
 
 }  // namespace
 
-Result<OdometryPoses> ParseOdometry(std::string_view text, std::string_view file) {
-  OdometryPoses poses;
-  std::istringstream lines{std::string(text)};
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || line[begin] == '#') continue;
-    std::istringstream fields(line);
-    std::string name;
-    Eigen::Vector3d t;
-    Eigen::Vector4d q;
-    fields >> name >> t.x() >> t.y() >> t.z() >> q.x() >> q.y() >> q.z() >> q.w();
-    if (!fields || !t.allFinite() || !(std::abs(q.norm() - 1) < 1e-3)) {
-      return MakeError(ErrorCode::kCorrupt,
-                       "{}:{}: expected \"name tx ty tz qx qy qz qw\", found \"{}\"", file, number,
-                       line);
-    }
-    poses[name] = Rigid3(Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()), t);
-  }
-  return poses;
-}
-
 Result<BurstRequest> LoadBurst(const BurstQuery& query) {
   if (!query.up_in_odometry.allFinite() || !(query.up_in_odometry.norm() > 0)) {
     return MakeError(ErrorCode::kInvalidArgument, "odometry's up: expected a direction");
@@ -61,13 +39,14 @@ Result<BurstRequest> LoadBurst(const BurstQuery& query) {
       Eigen::Quaterniond::FromTwoVectors(query.up_in_odometry, Eigen::Vector3d::UnitZ()),
       Eigen::Vector3d::Zero());
   WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(query.odometry));
-  WAYMARK_TRY_ASSIGN(const OdometryPoses poses, ParseOdometry(text, query.odometry.string()));
+  WAYMARK_TRY_ASSIGN(const mapping::NamedPoses poses,
+                     mapping::ParseTumTrajectory(text, query.odometry.string()));
   BurstRequest burst;
   for (const std::string& image : query.images) {
     WAYMARK_TRY_ASSIGN(const Rigid3 odometry_from_camera, FindPose(poses, query, image));
     WAYMARK_TRY_ASSIGN(auto request, LoadRequest(image, query.camera));
-    burst.images.push_back({std::move(request), Transform<Vo, Camera>(level_from_odometry *
-                                                                      odometry_from_camera)});
+    burst.images.push_back(
+        {std::move(request), Transform<Vo, Camera>(level_from_odometry * odometry_from_camera)});
   }
   return burst;
 }

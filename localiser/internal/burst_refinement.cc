@@ -31,8 +31,7 @@ struct NormalEquations {
 class RefinementProblem {
  public:
   RefinementProblem(std::span<const BurstCamera> cameras, const ImageMatches& matches,
-                    std::span<const std::uint32_t> chosen,
-                    const BurstRefinementOptions& options)
+                    std::span<const std::uint32_t> chosen, const BurstRefinementOptions& options)
       : cameras_(cameras), matches_(matches), chosen_(chosen), huber_px_(options.huber_px) {
     for (const BurstCamera& taken : cameras) {
       camera_from_vo_.push_back(taken.vo_from_camera.rotation().toRotationMatrix().transpose());
@@ -59,9 +58,8 @@ class RefinementProblem {
       const auto projection = mapping::ProjectWithDerivatives(
           camera.kind(), camera.parameters().data(), x_in_camera.hnormalized());
       const Eigen::Vector2d from_centre_px = projection.pixel_px - camera.PrincipalPoint();
-      const Eigen::Vector2d residual = camera.PrincipalPoint() +
-                                       state.focal_factor * from_centre_px -
-                                       matches_.pixels_px[i];
+      const Eigen::Vector2d residual =
+          camera.PrincipalPoint() + state.focal_factor * from_centre_px - matches_.pixels_px[i];
       // Under Perturb the point moves by R^T (-dt + [X - t]x dr) in odometry's frame.
       const Eigen::Matrix<double, 2, 3> by_vo = state.focal_factor * projection.by_normalized *
                                                 mapping::NormalizationDerivative(x_in_camera) *
@@ -158,10 +156,10 @@ std::optional<RefinedBurst> RefineBurst(std::span<const BurstCamera> cameras,
   // What is left for the pose once focal factor and scale are marginalised.
   const Eigen::Matrix<double, 6, 2> coupling = equations->matrix.topRightCorner<6, 2>();
   const Eigen::Matrix2d rest = equations->matrix.bottomRightCorner<2, 2>();
-  return RefinedBurst{state,
-                      equations->matrix.topLeftCorner<6, 6>() -
-                          coupling * rest.inverse() * coupling.transpose(),
-                      equations->weighted_squares};
+  return RefinedBurst{
+      state,
+      equations->matrix.topLeftCorner<6, 6>() - coupling * rest.inverse() * coupling.transpose(),
+      equations->weighted_squares};
 }
 
 std::optional<Eigen::Vector2d> BurstResidualPx(std::span<const BurstCamera> cameras,

@@ -32,9 +32,9 @@ struct BurstRefinementOptions {
   double pixel_sigma_px = 1;     ///< weighs pixels against what is stated
 };
 
-/// Refines a state over the chosen matches of all images, with all six freedoms of the pose, and the
-/// focal factor and the scale when they are in doubt: RefinePose for several cameras. nullopt: the
-/// matches do not determine a pose, or lie behind their camera.
+/// Refines a state over the chosen matches of all images, with all six freedoms of the pose, and
+/// the focal factor and the scale when they are in doubt: RefinePose for several cameras. nullopt:
+/// the matches do not determine a pose, or lie behind their camera.
 std::optional<RefinedBurst> RefineBurst(std::span<const BurstCamera> cameras,
                                         const ImageMatches& matches,
                                         std::span<const std::uint32_t> chosen,

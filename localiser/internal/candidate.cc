@@ -36,12 +36,10 @@ std::optional<std::string> FindContradiction(const Transform<Map, Camera>& map_f
   }
   if (request.prior) {
     const double distance_m =
-        (map_from_camera.translation() - request.prior->position.coordinates())
-            .head<2>()
-            .norm();
+        (map_from_camera.translation() - request.prior->position.coordinates()).head<2>().norm();
     if (distance_m > request.prior->radius_m) {
-      return fmt::format("the pose of {} inliers is {:.0f} m from a prior of {:.0f} m",
-                         inliers, distance_m, request.prior->radius_m);
+      return fmt::format("the pose of {} inliers is {:.0f} m from a prior of {:.0f} m", inliers,
+                         distance_m, request.prior->radius_m);
     }
   }
   return std::nullopt;
@@ -74,7 +72,8 @@ Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
       .inliers = static_cast<int>(pose.inliers.size()),
       .rms_px = pose.rms_px,
   };
-  if (auto contradiction = FindContradiction(localised.map_from_camera, localised.inliers, request, options)) {
+  if (auto contradiction =
+          FindContradiction(localised.map_from_camera, localised.inliers, request, options)) {
     candidate.refusal = *std::move(contradiction);
   } else {
     candidate.pose = std::move(localised);

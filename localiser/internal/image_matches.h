@@ -23,6 +23,15 @@ struct ImageMatches {
   std::vector<std::uint32_t> images;     ///< of a burst, ascending indices; empty: one image
 
   std::size_t size() const { return pixels_px.size(); }
+
+  /// Takes over one of another's matches; of a burst where `image` is given.
+  void Add(const ImageMatches& from, std::size_t i, std::optional<std::uint32_t> image) {
+    pixels_px.push_back(from.pixels_px[i]);
+    points_in_submap.push_back(from.points_in_submap[i]);
+    quality.push_back(from.quality[i]);
+    landmarks.push_back(from.landmarks[i]);
+    if (image) images.push_back(*image);
+  }
 };
 
 /// What a phone says about its image: its lens, and which way is up, if it knows.
@@ -31,7 +40,8 @@ struct ImageSenses {
   std::optional<mapping::SharedUp> up;  ///< "world" is the submap
 };
 
-/// One image of a burst: its lens, and where odometry says that it was taken, in the submap's units.
+/// One image of a burst: its lens, and where odometry says that it was taken, in the submap's
+/// units.
 struct BurstCamera {
   CameraModel camera;
   Rigid3 vo_from_camera;

@@ -22,11 +22,7 @@ ImageMatches WithoutInliers(const ImageMatches& matches, std::span<const std::ui
       ++inlier;
       continue;
     }
-    rest.pixels_px.push_back(matches.pixels_px[i]);
-    rest.points_in_submap.push_back(matches.points_in_submap[i]);
-    rest.quality.push_back(matches.quality[i]);
-    rest.landmarks.push_back(matches.landmarks[i]);
-    if (!matches.images.empty()) rest.images.push_back(matches.images[i]);
+    rest.Add(matches, i, matches.images.empty() ? std::nullopt : std::optional(matches.images[i]));
   }
   return rest;
 }

@@ -4,24 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/geometry/lens_kind.h"
+
 namespace waymark::localiser::internal {
 namespace {
 
 bool IsNear(double focal_px, double stated_px) {
   constexpr double kShare = 0.05;  // mapping moved a wrong calibration by 2.6 %
   return std::abs(focal_px - stated_px) <= kShare * stated_px;
-}
-
-/// The kind that mapping makes of a pinhole, to give it distortion.
-CameraKind KindWithDistortion(CameraKind kind) {
-  switch (kind) {
-    case CameraKind::kSimplePinhole:
-      return CameraKind::kRadial;
-    case CameraKind::kPinhole:
-      return CameraKind::kOpenCv;
-    default:
-      return kind;
-  }
 }
 
 /// Zero for lenses without.
@@ -32,7 +22,7 @@ Eigen::Vector2d Tangential(const CameraModel& camera) {
 
 bool IsTheSame(const CameraModel& stated, const CameraModel& mapped) {
   const bool has_its_kind =
-      mapped.kind() == stated.kind() || mapped.kind() == KindWithDistortion(stated.kind());
+      mapped.kind() == stated.kind() || mapped.kind() == WithRadialDistortion(stated.kind());
   return has_its_kind && mapped.width_px() == stated.width_px() &&
          mapped.height_px() == stated.height_px() &&
          mapped.PrincipalPoint() == stated.PrincipalPoint() &&

@@ -62,13 +62,12 @@ double ChanceOfInlier(double max_error_px, const CameraModel& camera) {
 
 std::optional<std::string> FindReasonToRefuse(const PoseEvidence& evidence,
                                               const CameraModel& camera) {
-  return FindReasonToRefuse(
-      CountedEvidence{.matches = evidence.matches,
-                      .inliers = evidence.inliers_px.size(),
-                      .chance = ChanceOfInlier(evidence.max_error_px, camera),
-                      .parts = CountGridCells(evidence.inliers_px, camera),
-                      .position_covariance = evidence.position_covariance,
-                      .median_distance_m = evidence.median_distance_m});
+  return FindReasonToRefuse(CountedEvidence{.matches = evidence.matches,
+                                            .inliers = evidence.inliers_px.size(),
+                                            .chance = ChanceOfInlier(evidence.max_error_px, camera),
+                                            .parts = CountGridCells(evidence.inliers_px, camera),
+                                            .position_covariance = evidence.position_covariance,
+                                            .median_distance_m = evidence.median_distance_m});
 }
 
 std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence) {

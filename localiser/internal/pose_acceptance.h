@@ -43,8 +43,8 @@ struct CountedEvidence {
 };
 std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence);
 
-/// Whether the lens that a pose's inliers fit with is the one stated, whose focal length is in doubt
-/// by a share. Units: `focal_factor` is on the stated one
+/// Whether the lens that a pose's inliers fit with is the one stated, whose focal length is in
+/// doubt by a share. Units: `focal_factor` is on the stated one
 std::optional<std::string> FindLensContradiction(std::size_t inliers, double focal_factor,
                                                  double focal_sigma_share);
 

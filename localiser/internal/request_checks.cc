@@ -11,7 +11,8 @@ namespace {
 constexpr double kMaxDistanceM = 1000;  // between two images of a burst
 
 bool IsPose(const Rigid3& vo_from_camera) {
-  return vo_from_camera.translation().allFinite() && vo_from_camera.rotation().coeffs().allFinite() &&
+  return vo_from_camera.translation().allFinite() &&
+         vo_from_camera.rotation().coeffs().allFinite() &&
          std::abs(vo_from_camera.rotation().norm() - 1) < 1e-6;
 }
 

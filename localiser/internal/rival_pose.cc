@@ -53,8 +53,7 @@ class RivalSearch {
   }
 
   Rivalry Run() {
-    std::vector<Rigid3> own;
-    for (const View& view : views_) own.push_back(view.map_from_camera);
+    const std::vector<Rigid3> own = OwnPoses();
     Rivalry rivalry{.supporters = supporters_.size(),
                     .chance_supporters = CountByChance(own, max_squared_px2_),
                     .map_from_camera = own.back()};
@@ -89,9 +88,14 @@ class RivalSearch {
     return inverted;
   }
 
+  std::vector<Rigid3> OwnPoses() const {
+    std::vector<Rigid3> poses;
+    for (const View& view : views_) poses.push_back(view.map_from_camera);
+    return poses;
+  }
+
   void FindSupporters() {
-    std::vector<Rigid3> camera_from_map;
-    for (const View& view : views_) camera_from_map.push_back(view.map_from_camera.Inverse());
+    const std::vector<Rigid3> camera_from_map = Inverted(OwnPoses());
     for (std::size_t i = 0; i < resemblances_.size(); ++i) {
       const SeenResemblance& seen = resemblances_[i];
       if (!supporters_.empty() && resemblances_[supporters_.back()].feature == seen.feature)
@@ -218,7 +222,7 @@ class RivalSearch {
   double max_squared_px2_;  // of a supporter
   double max_rival_px2_;    // of a rival
   double same_place_m_;
-  Eigen::Vector3d origin_;   // the last camera's place in the map
+  Eigen::Vector3d origin_;  // the last camera's place in the map
   std::vector<View> views_;
   std::vector<std::size_t> supporters_;  // the first resemblance of each
   std::vector<Twin> twins_;              // sorted by feature

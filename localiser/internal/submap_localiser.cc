@@ -35,8 +35,8 @@ std::vector<LandmarkMatch> KeepOnePerLandmarkAndPlace(const mapping::ImageFeatur
   return matches;
 }
 
-// Drives past the same front see a landmark many times nearly alike: two of its descriptors stand for
-// all, and what is not there need not be read for every image.
+// Drives past the same front see a landmark many times nearly alike: two of its descriptors stand
+// for all, and what is not there need not be read for every image.
 constexpr mapping::RepresentativeOptions kRepresentatives{.max_count = 2};
 
 struct Entries {
@@ -117,13 +117,13 @@ void SubmapLocaliser::EstimatePose(const ImageSenses& senses, SubmapAnswer& answ
     return;
   }
   const Stopwatch watch;
-  auto estimated = mapping::EstimateAbsolutePose(
-      senses.camera, matches.pixels_px, matches.points_in_submap, matches.quality,
-      {.max_error_px = options_.max_error_px,
-       .min_inliers = options_.min_inliers,
-       .focal_sigma_share = options_.focal_sigma_share,
-       .up = senses.up,
-       .seed = options_.seed});
+  auto estimated = mapping::EstimateAbsolutePose(senses.camera, matches.pixels_px,
+                                                 matches.points_in_submap, matches.quality,
+                                                 {.max_error_px = options_.max_error_px,
+                                                  .min_inliers = options_.min_inliers,
+                                                  .focal_sigma_share = options_.focal_sigma_share,
+                                                  .up = senses.up,
+                                                  .seed = options_.seed});
   if (!estimated) {
     answer.refusal = ToString(estimated.error());
   } else if (!*estimated) {

@@ -1,23 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mapping/estimation/absolute_pose.h"
 
-#include <Eigen/Cholesky>
-
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "mapping/base/median.h"
 #include "mapping/estimation/internal/pose_from_matches.h"
 #include "mapping/estimation/pose_refinement.h"
+#include "mapping/estimation/pose_statistics.h"
 #include "mapping/estimation/robust_loop.h"
 
 namespace waymark::mapping {
 namespace {
 
-double MedianError(const CameraModel& camera, std::span<const Eigen::Vector2d> pixels_px,
-                   std::span<const Eigen::Vector3d> points_in_world,
-                   std::span<const std::uint32_t> chosen, const Rigid3& world_from_camera) {
+double SigmaPx(const CameraModel& camera, std::span<const Eigen::Vector2d> pixels_px,
+               std::span<const Eigen::Vector3d> points_in_world,
+               std::span<const std::uint32_t> chosen, const Rigid3& world_from_camera) {
   const Rigid3 camera_from_world = world_from_camera.Inverse();
   std::vector<double> errors;
   errors.reserve(chosen.size());
@@ -25,26 +22,16 @@ double MedianError(const CameraModel& camera, std::span<const Eigen::Vector2d> p
     const auto pixel_px = camera.Project(camera_from_world * points_in_world[i]);
     errors.push_back(pixel_px ? (*pixel_px - pixels_px[i]).norm() : 1e9);
   }
-  return Median(std::move(errors));
+  return RobustSigmaPx(std::move(errors));
 }
 
-// Below this no feature detector localises; it keeps a lucky handful of matches from claiming
-// an exact pose.
-constexpr double kMinPixelSigma = 0.25;
-constexpr int kRefinementRounds = 4;
-constexpr double kMedianLengthOfUnitSigma = 1.177;  // of two normal components
-constexpr double kHuberSigmas = 1.345;              // 95 % efficiency
-
-// Another focal length is taken only where it explains the matches much better: by its freedom
-// alone it would triple the error of the pose. On 105 simulated views with exact intrinsics it
-// explained at most 4 % of the squares; on 25 real ones stated 2.5 % wrong, at least 75 %.
+// Another focal length is taken only where it explains the matches much better.
 std::optional<RefinedPose> RefineWithDoubtfulFocal(const CameraModel& camera,
                                                    std::span<const Eigen::Vector2d> pixels_px,
                                                    std::span<const Eigen::Vector3d> points_in_world,
                                                    std::span<const std::uint32_t> inliers,
                                                    const Rigid3& world_from_camera, double sigma_px,
                                                    double focal_sigma_share) {
-  constexpr double kMuchBetter = 0.8;
   PoseRefinementOptions options{.huber_px = kHuberSigmas * sigma_px, .pixel_sigma_px = sigma_px};
   const auto stated =
       RefinePose(camera, pixels_px, points_in_world, inliers, world_from_camera, options);
@@ -52,19 +39,8 @@ std::optional<RefinedPose> RefineWithDoubtfulFocal(const CameraModel& camera,
   options.focal_sigma_share = focal_sigma_share;
   const auto free =
       RefinePose(camera, pixels_px, points_in_world, inliers, stated->world_from_camera, options);
-  if (!free || free->weighted_squares > kMuchBetter * stated->weighted_squares) return stated;
+  if (!free || !IsFocalMuchBetter(free->weighted_squares, stated->weighted_squares)) return stated;
   return free;
-}
-
-// After so many draws a pose with the least inliers asked for would have been found, if there were
-// one; twice, because samples carry noise.
-int DrawsWorthMaking(std::size_t matches, std::size_t sample_size,
-                     const AbsolutePoseOptions& options) {
-  constexpr double kLeast = 200;
-  const double share = static_cast<double>(options.min_inliers) / static_cast<double>(matches);
-  const double needed = 2 * internal::DrawsNeeded(share, sample_size, options.confidence);
-  return std::min(options.max_iterations,
-                  static_cast<int>(std::clamp(needed, kLeast, double{1} * (1 << 30))));
 }
 
 template <typename Problem>
@@ -74,12 +50,13 @@ std::optional<AbsolutePose> Estimate(const Problem& problem, const CameraModel& 
                                      std::span<const double> quality,
                                      const AbsolutePoseOptions& options) {
   const std::optional<AbsolutePose> none;
-  const auto fit = RunRobustLoop(
-      problem, quality,
-      {.min_inliers = static_cast<std::size_t>(options.min_inliers),
-       .confidence = options.confidence,
-       .max_iterations = DrawsWorthMaking(pixels_px.size(), Problem::kSampleSize, options),
-       .seed = options.seed});
+  const auto fit = RunRobustLoop(problem, quality,
+                                 {.min_inliers = static_cast<std::size_t>(options.min_inliers),
+                                  .confidence = options.confidence,
+                                  .max_iterations = DrawsWorthMaking(
+                                      pixels_px.size(), Problem::kSampleSize, options.min_inliers,
+                                      options.confidence, options.max_iterations),
+                                  .seed = options.seed});
   if (!fit) return none;
 
   AbsolutePose pose{.world_from_camera = fit->model,
@@ -90,9 +67,7 @@ std::optional<AbsolutePose> Estimate(const Problem& problem, const CameraModel& 
   std::optional<RefinedPose> refined;
   for (int round = 0; round < kRefinementRounds; ++round) {
     const double sigma_px =
-        std::max(kMinPixelSigma, MedianError(refined_camera, pixels_px, points_in_world,
-                                             pose.inliers, pose.world_from_camera) /
-                                     kMedianLengthOfUnitSigma);
+        SigmaPx(refined_camera, pixels_px, points_in_world, pose.inliers, pose.world_from_camera);
     refined = RefineWithDoubtfulFocal(camera, pixels_px, points_in_world, pose.inliers,
                                       pose.world_from_camera, sigma_px, options.focal_sigma_share);
     if (!refined) return none;
@@ -110,14 +85,10 @@ std::optional<AbsolutePose> Estimate(const Problem& problem, const CameraModel& 
     squares += (*refined_camera.Project(camera_from_world * points_in_world[i]) - pixels_px[i])
                    .squaredNorm();
   }
-  const auto count = static_cast<double>(pose.inliers.size());
-  pose.rms_px = std::sqrt(squares / count);
-  const double variance =
-      std::max(kMinPixelSigma * kMinPixelSigma, squares / std::max(1.0, 2 * count - 6));
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> information(refined->information);
-  if (!(information.vectorD().minCoeff() > 0)) return none;
-  pose.covariance = variance * information.solve(Eigen::Matrix<double, 6, 6>::Identity());
-  if (!pose.covariance.allFinite()) return none;
+  pose.rms_px = std::sqrt(squares / static_cast<double>(pose.inliers.size()));
+  const auto covariance = PoseCovariance(refined->information, squares, pose.inliers.size());
+  if (!covariance) return none;
+  pose.covariance = *covariance;
   return pose;
 }
 

@@ -17,10 +17,8 @@ struct SharedUp {
   Eigen::Vector3d in_world;
 };
 
-/// Solves for the four freedoms that gravity leaves to a camera, heading and place, from two points.
-/// Thread-safe.
-/// Source: the problem of Kukelova, Bujnak & Pajdla, "Closed-form solutions to minimal absolute
-///         pose problems with known vertical direction", ACCV 2010; solved here for the distances.
+/// Solves for the four freedoms that gravity leaves to a camera, heading and place, from two
+/// points. Thread-safe. Source: upright_rig.h, with one camera.
 class UprightPoseSolver {
  public:
   explicit UprightPoseSolver(const SharedUp& up);

@@ -86,24 +86,23 @@ void JudgeScale(const GnssShape& pass, const VerificationOptions& options, Findi
   const auto add = [&](const Bending& bending, Tally& tally) {
     tally.Add(bending.metres, ShapeBound(bending, options));
   };
-  if (!pass.scale_by_road) return add(pass.scale, findings.scale_drift);
-  add(*pass.scale_by_road, findings.road_drift);
-  const Bending& dispute = *pass.scale_dispute;
+  if (!pass.road) return add(pass.scale, findings.scale_drift);
+  const auto& [by_road, by_both, dispute] = *pass.road;
+  add(by_road, findings.road_drift);
   if (dispute.metres <= options.max_shape_sigmas * dispute.sigma_m) {
-    return add(*pass.scale_by_both, findings.scale_drift);
+    return add(by_both, findings.scale_drift);
   }
   // Witnesses that contradict each other cannot be joined. The reconstruction was fitted to GNSS
   // and not to the road, so that GNSS agrees with it tells little: the road alone has to.
   constexpr double kKnown = 2;  // tolerated errors: a road known no better overrules nobody
-  const bool road_agrees = pass.scale_by_road->metres <= options.max_shape_error_m;
-  const bool is_road_known =
-      ShapeBound(*pass.scale_by_road, options) <= kKnown * options.max_shape_error_m;
+  const bool road_agrees = by_road.metres <= options.max_shape_error_m;
+  const bool is_road_known = ShapeBound(by_road, options) <= kKnown * options.max_shape_error_m;
   if (road_agrees && is_road_known) {
     add(pass.scale, findings.gnss_lie);
   } else if (road_agrees) {
     add(pass.scale, findings.scale_drift);
   } else {
-    findings.scale_drift.Add(pass.scale_by_road->metres, options.max_shape_error_m);
+    findings.scale_drift.Add(by_road.metres, options.max_shape_error_m);
   }
 }
 

@@ -177,9 +177,9 @@ Jump FindJump(const Pass& pass) {
 void AddRoad(const Rows& rows, const RoadHeights& road, const Known& by_gnss, GnssShape& shape) {
   const std::vector<int> columns{kScale1, kScale2};
   const Known by_road{-road.drift, road.covariance};
-  shape.scale_by_road = MeasureBending(rows, columns, by_road);
-  shape.scale_by_both = MeasureBending(rows, columns, Join(by_gnss, by_road));
-  shape.scale_dispute = MeasureBending(rows, columns, Subtract(by_gnss, by_road));
+  shape.road = RoadScale{.by_road = MeasureBending(rows, columns, by_road),
+                         .by_both = MeasureBending(rows, columns, Join(by_gnss, by_road)),
+                         .dispute = MeasureBending(rows, columns, Subtract(by_gnss, by_road))};
 }
 
 GnssShape Judge(const Pass& pass, const std::optional<RoadHeights>& road) {

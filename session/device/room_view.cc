@@ -124,22 +124,22 @@ std::vector<SharedAnchor> RoomView::Anchors() const {
   anchors.reserve(room_.anchors().size() + own_.anchors().size());
   for (const AnchorShelf* const shelf : {&room_, &own_}) {
     for (const auto& [id, held] : shelf->anchors()) {
-      auto latest = FindAnchor(id);  // on both while it goes from one to the other
-      if (latest && latest->audience == held.shown.record.visibility) {
-        anchors.push_back(*std::move(latest));
-      }
+      if (FindLatest(id) == &held) anchors.push_back(ToShared(held.shown));
     }
   }
   return anchors;
 }
 
 std::optional<SharedAnchor> RoomView::FindAnchor(const AnchorId& anchor) const {
+  const AnchorShelf::Held* const held = FindLatest(anchor);
+  return held == nullptr ? std::nullopt : std::optional(ToShared(held->shown));
+}
+
+const AnchorShelf::Held* RoomView::FindLatest(const AnchorId& anchor) const {
   const AnchorShelf::Held* const shared = room_.Find(anchor);
   const AnchorShelf::Held* const own = own_.Find(anchor);
-  if (shared == nullptr && own == nullptr) return std::nullopt;
-  const bool is_own = shared == nullptr || (own != nullptr && own->anchor.record.revision >
-                                                                  shared->anchor.record.revision);
-  return ToShared(is_own ? own->shown : shared->shown);
+  if (shared == nullptr || own == nullptr) return shared == nullptr ? own : shared;
+  return own->anchor.record.revision > shared->anchor.record.revision ? own : shared;
 }
 
 }  // namespace waymark::session

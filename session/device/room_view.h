@@ -52,6 +52,8 @@ class RoomView {
     std::uint32_t delivery = 0;
   };
   AnchorShelf& ShelfOf(const RoomAnchor& anchor);
+  /// An anchor is on both shelves while it goes from one to the other.
+  const AnchorShelf::Held* FindLatest(const AnchorId& anchor) const;
 
   DeviceId self_;
   RunId run_{};

@@ -46,8 +46,8 @@ void ReleaseWatcher::Watch() {
 
 Result<void> ReleaseWatcher::GoOver(std::uint64_t epoch) {
   WAYMARK_TRY_ASSIGN(mapping::Release release, map_.LoadRelease(epoch));
-  WAYMARK_TRY_ASSIGN(auto opened,
-                     localiser::Localiser::Create(map_, release, localiser_->options(), localiser_.get()));
+  WAYMARK_TRY_ASSIGN(auto opened, localiser::Localiser::Create(map_, release, localiser_->options(),
+                                                               localiser_.get()));
   localiser_ = std::move(opened);
   server_.Swap({std::move(release), make_localise_(localiser_)});
   return {};

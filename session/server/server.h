@@ -28,7 +28,7 @@ struct ServerOptions {
   std::string recording_file = {};
   LocalisePoolOptions localise = {};
   StateOptions state = {};
-  RelayOptions relay = {};  ///< to devices on the bus; gateways have their own
+  RelayOptions relay = {};         ///< to devices on the bus; gateways have their own
   Role open_role = Role::kMember;  ///< of all who come, where no tokens are asked for
 
   Result<void> Validate() const;

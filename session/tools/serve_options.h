@@ -17,7 +17,7 @@ struct ServeArguments {
   std::string security;  ///< folder of keys; empty: none
   bool is_insecure_wanted = false;
   QueryKeeperOptions kept_queries;  ///< no folder: none are
-  double localiser_memory_mb = 0;  ///< of submaps in memory, in 10^6 bytes; 0: no limit
+  double localiser_memory_mb = 0;   ///< of submaps in memory, in 10^6 bytes; 0: no limit
   ServerOptions server;
 };
 

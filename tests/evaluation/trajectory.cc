@@ -36,29 +36,6 @@ Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
 
 }  // namespace
 
-Result<Trajectory> ParseTumTrajectory(std::string_view text, std::string_view name) {
-  Trajectory trajectory;
-  std::istringstream lines{std::string(text)};
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    const std::size_t begin = line.find_first_not_of(" \t\r");
-    if (begin == std::string::npos || line[begin] == '#') continue;
-    std::istringstream fields(line);
-    std::string image;
-    double t[3];
-    double q[4];
-    fields >> image >> t[0] >> t[1] >> t[2] >> q[0] >> q[1] >> q[2] >> q[3];
-    const Eigen::Quaterniond rotation(q[3], q[0], q[1], q[2]);
-    if (!fields || !(std::abs(rotation.norm() - 1) < 1e-3)) {
-      return MakeError(ErrorCode::kCorrupt,
-                       "{}:{}: expected \"name tx ty tz qx qy qz qw\", found \"{}\"", name, number,
-                       line);
-    }
-    trajectory[image] = Rigid3(rotation, {t[0], t[1], t[2]});
-  }
-  return trajectory;
-}
-
 Result<Trajectory> LoadTumTrajectory(const std::filesystem::path& path) {
   WAYMARK_TRY_ASSIGN(const std::string text, LoadTextFile(path));
   return ParseTumTrajectory(text, path.string());

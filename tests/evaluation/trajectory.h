@@ -2,24 +2,20 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "mapping/base/result.h"
 #include "mapping/geometry/rigid3.h"
 #include "mapping/geometry/sim3.h"
+#include "mapping/io/tum_trajectory.h"
 
 namespace waymark::evaluation {
 
-/// World_from_camera by image name (or by the text of its timestamp).
-using Trajectory = std::map<std::string, Rigid3>;
+using Trajectory = mapping::NamedPoses;
 
-/// Lines of "name tx ty tz qx qy qz qw"; empty lines and those that start with # are skipped.
 /// Errors: NotFound, Corrupt with file and line.
 Result<Trajectory> LoadTumTrajectory(const std::filesystem::path& path);
-Result<Trajectory> ParseTumTrajectory(std::string_view text, std::string_view name);
+using mapping::ParseTumTrajectory;
 
 /// The camera-position columns of waymark-localise's table; refused images are left out.
 Result<Trajectory> LoadPoseTable(const std::filesystem::path& path);

@@ -5,13 +5,17 @@
 #include <gtest/gtest.h>
 
 #include "localiser/internal/burst_evidence.h"
-#include "localiser/internal/burst_query.h"
 #include "localiser/internal/burst_refinement.h"
-#include "localiser/internal/upright_rig.h"
+#include "mapping/estimation/upright_rig.h"
+#include "mapping/io/tum_trajectory.h"
 #include "tests/localiser/random_place.h"
 
 namespace waymark::localiser::internal {
 namespace {
+
+using mapping::ParseTumTrajectory;
+using mapping::Ray;
+using mapping::SolveUprightRig;
 
 TEST(UprightRig, HasTheTruePoseAmongItsTwo) {
   support::RandomGeometry random(1);
@@ -106,10 +110,9 @@ TEST_F(BurstPose, OfAnImageMovesWithItsLeverArm) {
   Eigen::Matrix<double, 6, 6> jacobian;
   for (int i = 0; i < 6; ++i) {
     const Eigen::Matrix<double, 6, 1> step = 1e-6 * Eigen::Matrix<double, 6, 1>::Unit(i);
-    jacobian.col(i) =
-        Difference(of_last.world_from_camera,
-                   Perturb(pose->world_from_camera, step) * cameras_[2].vo_from_camera) /
-        1e-6;
+    jacobian.col(i) = Difference(of_last.world_from_camera, Perturb(pose->world_from_camera, step) *
+                                                                cameras_[2].vo_from_camera) /
+                      1e-6;
   }
   const Eigen::Matrix<double, 6, 6> expected = jacobian * pose->covariance * jacobian.transpose();
   EXPECT_LT((of_last.covariance - expected).norm(), 1e-4 * expected.norm());
@@ -132,9 +135,9 @@ TEST_F(BurstPose, EvidenceCountsLandmarksNotSightings) {
 
 TEST_F(BurstPose, IsNoneWithoutEnoughMatches) {
   EXPECT_EQ(EstimateBurstPose(cameras_, {}, {}), std::nullopt);
-  EXPECT_EQ(EstimateBurstPose(cameras_, matches_,
-                              {.min_inliers = static_cast<int>(matches_.size()) + 1}),
-            std::nullopt);
+  EXPECT_EQ(
+      EstimateBurstPose(cameras_, matches_, {.min_inliers = static_cast<int>(matches_.size()) + 1}),
+      std::nullopt);
 }
 
 TEST_F(BurstPose, IsNoneForMatchesBehindTheCameras) {
@@ -144,14 +147,15 @@ TEST_F(BurstPose, IsNoneForMatchesBehindTheCameras) {
   EXPECT_EQ(EstimateBurstPose(cameras_, matches_, {}), std::nullopt);
 }
 
-TEST(ParseOdometry, ReadsTumAndNamesWhatItCannotRead) {
-  const auto poses = ParseOdometry("# comment\n\n1.50 1 2 3 0 0 0 1\nb.jpg 4 5 6 0 0 1 0\n", "odom");
+TEST(BurstOdometry, ReadsTumAndNamesWhatItCannotRead) {
+  const auto poses =
+      ParseTumTrajectory("# comment\n\n1.50 1 2 3 0 0 0 1\nb.jpg 4 5 6 0 0 1 0\n", "odom");
   ASSERT_TRUE(poses.ok()) << ToString(poses.error());
   EXPECT_EQ(poses->size(), 2U);
   EXPECT_EQ(poses->at("1.50").translation(), Eigen::Vector3d(1, 2, 3));
   for (const char* text : {"a 1 2 3 0 0 0\n", "a 1 2 3 0 0 0 2\n", "a nan 2 3 0 0 0 1\n",
                            "a 1 2 3 nan 0 0 1\n", "a b c d e f g h\n"}) {
-    const auto refused = ParseOdometry(text, "odom");
+    const auto refused = ParseTumTrajectory(text, "odom");
     ASSERT_FALSE(refused.ok()) << text;
     EXPECT_THAT(refused.error().message, testing::HasSubstr("odom:1"));
   }

@@ -262,10 +262,11 @@ TEST_F(BurstTest, ThatContradictsItselfIsInvalid) {
               burst.images[1].request.up_in_camera = Eigen::Vector3d(1, 0, 0);
             }),
             invalid);
-  EXPECT_EQ(status_of([](BurstRequest& burst) {
-              std::get<mapping::ImageFeatures>(burst.images[0].request.image).descriptors.pop_back();
-            }),
-            invalid);
+  EXPECT_EQ(
+      status_of([](BurstRequest& burst) {
+        std::get<mapping::ImageFeatures>(burst.images[0].request.image).descriptors.pop_back();
+      }),
+      invalid);
 }
 
 }  // namespace

@@ -17,14 +17,15 @@ constexpr double kMaxErrorPx = 6;
 
 /// Landmarks that a viewpoint sees; those from `first_copied` on are believed to be elsewhere.
 ImageMatches MatchPlace(const RandomPlace& place, const Rigid3& viewpoint, std::size_t count,
-                   std::size_t first_copied, const Eigen::Vector3d& copy_offset) {
+                        std::size_t first_copied, const Eigen::Vector3d& copy_offset) {
   ImageMatches matches;
   for (const Eigen::Vector3d& landmark : place.landmarks()) {
     const auto pixel_px = TestCamera().Project(viewpoint.Inverse() * landmark);
     if (!pixel_px || !TestCamera().Contains(*pixel_px)) continue;
     const bool is_copied = matches.points_in_submap.size() >= first_copied;
     matches.pixels_px.push_back(*pixel_px);
-    matches.points_in_submap.push_back(is_copied ? Eigen::Vector3d(landmark + copy_offset) : landmark);
+    matches.points_in_submap.push_back(is_copied ? Eigen::Vector3d(landmark + copy_offset)
+                                                 : landmark);
     matches.quality.push_back(0.5);
     matches.landmarks.push_back(static_cast<std::uint32_t>(matches.landmarks.size()));
     if (matches.points_in_submap.size() == count) break;
@@ -49,8 +50,7 @@ TEST(LookAlike, IsFoundWhereMatchesAreSharedBetweenTwoHousesOfOneKind) {
   EXPECT_GE(found->agreeing, 28U);
   EXPECT_EQ(found->matches, 30U);
   EXPECT_NEAR(found->distance_m, 9.5, 0.1);
-  const auto up_in_camera =
-      place.Viewpoint(0).rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  const auto up_in_camera = place.Viewpoint(0).rotation().conjugate() * Eigen::Vector3d::UnitZ();
   const auto with_gravity =
       FindIn(matches, mapping::SharedUp{up_in_camera, Eigen::Vector3d::UnitZ()});
   ASSERT_TRUE(with_gravity.has_value());
@@ -62,7 +62,8 @@ TEST(LookAlike, IsNotSeenInMatchesThatAgreeOnNothing) {
   support::RandomGeometry random(2);
   ImageMatches matches = MatchPlace(place, place.Viewpoint(0), 90, 60, {9.5, 0, 0});
   for (std::size_t i = 60; i < matches.points_in_submap.size(); ++i) {
-    matches.points_in_submap[i] = {random.Uniform(-15, 15), random.Uniform(10, 16), random.Uniform(-1, 7)};
+    matches.points_in_submap[i] = {random.Uniform(-15, 15), random.Uniform(10, 16),
+                                   random.Uniform(-1, 7)};
   }
   EXPECT_FALSE(FindIn(matches).has_value());
 }

@@ -48,7 +48,8 @@ TEST_F(Serve, SaysReadyServesAndEndsOnRequest) {
   MakeEmptyMap();
   const std::filesystem::path queries = folder_ / "queries";
   std::vector<std::string> keeping = Arguments();
-  keeping.insert(keeping.end(), {"--keep-queries", queries.string(), "--localiser-memory-mb", "100"});
+  keeping.insert(keeping.end(),
+                 {"--keep-queries", queries.string(), "--localiser-memory-mb", "100"});
   Peer server(keeping, WAYMARK_SERVE);
   EXPECT_THAT(server.line(),
               AllOf(StartsWith("ready pid="), HasSubstr("epoch=1"), HasSubstr("submaps=0"),

@@ -3,12 +3,13 @@
 
 #include <algorithm>
 
+#include "mapping/geometry/lens_kind.h"
+
 namespace waymark::mapping::internal {
 namespace {
 
 CameraModel WithDistortion(const CameraModel& pinhole) {
-  const CameraKind kind =
-      pinhole.kind() == CameraKind::kPinhole ? CameraKind::kOpenCv : CameraKind::kRadial;
+  const CameraKind kind = WithRadialDistortion(pinhole.kind());
   std::vector<double> parameters(ParameterCount(kind), 0.0);
   std::ranges::copy(pinhole.parameters(), parameters.begin());
   const auto lens = CameraModel::Create(kind, pinhole.width_px(), pinhole.height_px(), parameters);
@@ -26,7 +27,7 @@ std::vector<SfmCamera> AllowDistortion(std::vector<SfmCamera> cameras,
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     SfmCamera& camera = cameras[k];
     const CameraKind kind = camera.model.kind();
-    const bool is_pinhole = kind == CameraKind::kPinhole || kind == CameraKind::kSimplePinhole;
+    const bool is_pinhole = WithRadialDistortion(kind) != kind;
     if (!is_pinhole || !camera.refine || !options.refine_intrinsics) continue;
     if (image_counts[k] >= kMinImagesToRefineLens) camera.model = WithDistortion(camera.model);
   }

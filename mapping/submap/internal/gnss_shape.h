@@ -15,20 +15,23 @@ struct Bending {
   double sigma_m = 0;  ///< how well it is known
 };
 
+/// What the height of a vehicle's camera above the road says of a pass's scale.
+struct RoadScale {
+  Bending by_road;  ///< how far it drifts
+  Bending by_both;  ///< the same by road and GNSS together
+  Bending dispute;  ///< how far the two are from each other
+};
+
 /// How one pass of one camera must be bent until it lies on its GNSS positions, after the best
 /// similarity. Horizontal: satellites say little about heights.
 struct GnssShape {
   std::uint32_t first;  ///< image
   std::uint32_t last;
   double seconds;
-  Bending scale = {};  ///< its scale drifts
-  /// The same by the height of a vehicle's camera above the road, by both together, and how far
-  /// the two are from each other; absent where the road is not known.
-  std::optional<Bending> scale_by_road = std::nullopt;
-  std::optional<Bending> scale_by_both = std::nullopt;
-  std::optional<Bending> scale_dispute = std::nullopt;
-  Bending bend = {};          ///< its heading drifts, one way
-  Bending double_bend = {};   ///< one way and back
+  Bending scale = {};                            ///< its scale drifts
+  std::optional<RoadScale> road = std::nullopt;  ///< absent where the road is not known
+  Bending bend = {};                             ///< its heading drifts, one way
+  Bending double_bend = {};                      ///< one way and back
   double turn_rad_per_s = 0;  ///< by `bend`, left positive, on average over the pass
   double turn_sigma_rad_per_s = 0;
   double largest_jump_m = 0;  ///< of GNSS against the path within a second

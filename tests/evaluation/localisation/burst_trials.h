@@ -35,9 +35,8 @@ Result<AskedDrive> PrepareAskedDrive(const std::filesystem::path& drive,
 Result<AskedDrive> Summarised(AskedDrive drive, std::size_t max_bytes);
 
 /// What is left of a frame's features, as when a hand is before the lens.
-using Starve = std::function<mapping::ImageFeatures(const mapping::ImageFeatures& features,
-                                                    const CameraModel& camera,
-                                                    simulator::Random& random)>;
+using Starve = std::function<mapping::ImageFeatures(
+    const mapping::ImageFeatures& features, const CameraModel& camera, simulator::Random& random)>;
 /// Those in an upright strip somewhere in the image, of this share of its width.
 Starve Strip(double share);
 /// So many of all.
@@ -50,8 +49,8 @@ struct BurstTrial {
   double odometry_scale = 1;  ///< what odometry makes of a metre
 };
 
-/// Asks about every frame that has as many before it as the longest burst; all trials of a drive ask
-/// about the same ones.
+/// Asks about every frame that has as many before it as the longest burst; all trials of a drive
+/// ask about the same ones.
 std::vector<Verdict> AskBursts(const localiser::Localiser& localiser, const AskedDrive& drive,
                                const BurstTrial& trial, std::size_t longest,
                                const Parallelism& parallelism);

@@ -73,9 +73,9 @@ Result<void> Evaluate(const Flags& flags) {
   const ScratchFolder scratch(false);
   std::vector<Opened> whole, small;
   for (const std::string& name : flags.drives) {
-    WAYMARK_TRY_ASSIGN(const AskedDrive drive,
-                       PrepareAskedDrive(std::filesystem::path(flags.data) / name,
-                                         scratch.path() / name));
+    WAYMARK_TRY_ASSIGN(
+        const AskedDrive drive,
+        PrepareAskedDrive(std::filesystem::path(flags.data) / name, scratch.path() / name));
     WAYMARK_TRY_ASSIGN(auto opened, Open(drive));
     whole.push_back(std::move(opened));
     WAYMARK_TRY_ASSIGN(auto summarised,

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/upright_rig.h"
+#include "mapping/estimation/upright_rig.h"
 
 #include <Eigen/Geometry>
 
 #include <cmath>
 
-namespace waymark::localiser::internal {
+namespace waymark::mapping {
 
 // With a turn R about the vertical, origins c, bearings b and distances s in the rig:
 //   R^T (X2 - X1) = (c2 + s2 b2) - (c1 + s1 b1).
-// The vertical component is linear in the distances, so they lie on a line; the horizontal length is
-// known, which is a quadratic equation on that line.
+// The vertical component is linear in the distances, so they lie on a line; the horizontal length
+// is known, which is a quadratic equation on that line.
 void SolveUprightRig(const std::array<Ray, 2>& rays_in_rig,
                      const std::array<Eigen::Vector3d, 2>& points_in_world,
                      std::vector<Rigid3>& world_from_rig) {
@@ -25,8 +25,8 @@ void SolveUprightRig(const std::array<Ray, 2>& rays_in_rig,
   // (s1, s2) = foot + t * along
   const Eigen::Vector2d foot = normal * ((offset.z() - between.z()) / squared);
   const Eigen::Vector2d along(normal.y(), -normal.x());
-  const Eigen::Vector2d at_foot = between.head<2>() + foot.y() * second.bearing.head<2>() -
-                                  foot.x() * first.bearing.head<2>();
+  const Eigen::Vector2d at_foot =
+      between.head<2>() + foot.y() * second.bearing.head<2>() - foot.x() * first.bearing.head<2>();
   const Eigen::Vector2d per_step =
       along.y() * second.bearing.head<2>() - along.x() * first.bearing.head<2>();
   const double a = per_step.squaredNorm();
@@ -46,4 +46,4 @@ void SolveUprightRig(const std::array<Ray, 2>& rays_in_rig,
   }
 }
 
-}  // namespace waymark::localiser::internal
+}  // namespace waymark::mapping

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Several images at once.
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "localiser/internal/burst_checks.h"
+#include "localiser/internal/localiser_impl.h"
+#include "localiser/internal/request_checks.h"
+#include "mapping/base/stopwatch.h"
+
+namespace waymark::localiser {
+
+using internal::Candidate;
+using internal::Refused;
+using mapping::ImageFeatures;
+
+Localisation Localiser::Localise(const BurstRequest& burst) const {
+  const Stopwatch watch;
+  Localisation answer = impl_->Answer(burst);
+  answer.times.total_ms = 1e3 * watch.ElapsedS();
+  return answer;
+}
+
+Localisation Localiser::Impl::Answer(const BurstRequest& burst) const {
+  Localisation answer;
+  answer.epoch = epoch;
+  if (const auto contradiction = internal::FindContradiction(burst, options.max_gravity_error)) {
+    return Refused(std::move(answer), LocalisationStatus::kInvalidRequest, *contradiction);
+  }
+  std::vector<BurstImage> images;  // as they go on: without pixels, with gravity
+  std::vector<ImageFeatures> features;
+  for (std::size_t i = 0; i < burst.images.size(); ++i) {
+    const auto& [request, vo_from_camera] = burst.images[i];
+    auto found = FeaturesOf(request, answer.times);
+    if (!found) {
+      return Refused(
+          std::move(answer), LocalisationStatus::kInvalidRequest,
+          fmt::format("image {} of {}: {}", i + 1, burst.images.size(), ToString(found.error())));
+    }
+    features.push_back(*std::move(found));
+    images.push_back({{ImageFeatures{}, request.camera, request.prior,
+                       request.up_in_camera.value_or(internal::UpInCamera(vo_from_camera))},
+                      vo_from_camera});
+  }
+  if (SearchTogether({images, features}, answer)) return answer;
+  const std::string together = std::move(answer.reason);
+  Search(images.back().request, features.back(), answer);
+  answer.reason =
+      fmt::format("all {} images: {}; the last alone: {}", images.size(), together, answer.reason);
+  return answer;
+}
+
+bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
+                                     Localisation& answer) const {
+  const internal::TakenSubmaps taken = TakeNear(burst.last().prior, answer.times);
+  if (taken.submaps.empty()) {
+    answer.reason = "no submap to search";
+    return false;
+  }
+  std::vector<Candidate> candidates =
+      internal::AskBurst(taken.submaps, burst, submaps.quantiser(), options, answer.times);
+  Candidate& best = candidates.front();
+  if (!best.pose) {
+    answer.reason = best.refusal;
+    return false;
+  }
+  const Stopwatch watch;
+  const auto odometry = internal::FindOdometryContradiction(best, burst);
+  auto refusal = odometry ? odometry : internal::FindContradiction(best, burst, options);
+  if (!refusal) refusal = internal::FindBurstAmbiguity(candidates, burst, options);
+  answer.times.pose_ms += 1e3 * watch.ElapsedS();
+  if (refusal) {
+    answer.status = LocalisationStatus::kNoConsistentPose;
+    answer.reason = *std::move(refusal);
+    return !odometry;
+  }
+  answer.status = LocalisationStatus::kLocalised;
+  answer.reason = fmt::format(
+      "{} landmarks in {} of {} images agree in submap {}, one of {} searched{}",
+      best.pose->inliers, best.pose->images, burst.images.size(), best.submap->released().id.text(),
+      taken.submaps.size(), internal::DescribeMissing(taken));
+  answer.pose = std::move(best.pose);
+  return true;
+}
+
+}  // namespace waymark::localiser
