@@ -89,7 +89,7 @@ const std::map<std::string_view, std::vector<std::string_view>> kDoors{
     {"s2/", {"content_store", "tests"}},
     {"embree3/", {"examples/simulator"}},
     {"boost/", {"session/socket"}},
-    {"openssl/", {"session/keys", "session/socket"}},
+    {"openssl/", {"session/keys", "session/socket", "tests"}},
 };
 
 bool IsBelow(std::string_view path, std::string_view folder) {

@@ -121,7 +121,11 @@ TEST_F(SlowLinkTest, ImagesAreSmallerOnAThinnerLink) {
   const auto anna = Join(options);
   session::DeviceFrame frame = NoisyFrame(480);
   ASSERT_TRUE(ShowUntilFound(*anna, frame, 6));
-  const std::size_t on_a_wide_link = anna->Statistics().keyframe_timings.back().image_bytes;
+  // The largest: where the processors are busy, a wide link seems slow at times.
+  std::size_t on_a_wide_link = 0;
+  for (const auto& timing : anna->Statistics().keyframe_timings) {
+    on_a_wide_link = std::max(on_a_wide_link, timing.image_bytes);
+  }
   relay_->SetProfile(kThin);
   ASSERT_TRUE(ShowUntilFound(*anna, frame, 5));
   EXPECT_LT(anna->Statistics().keyframe_timings.back().image_bytes, on_a_wide_link);

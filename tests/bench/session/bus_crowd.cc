@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/session/bus_crowd.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <mutex>
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 0xb05;
 constexpr double kCell_m = 32;
+constexpr std::chrono::minutes kPatience{20};  // a thousand on the bus take that long
 
 }  // namespace
 
@@ -73,19 +75,19 @@ struct BusCrowd::Phone {
 BusCrowd::BusCrowd() = default;
 BusCrowd::~BusCrowd() = default;
 
-Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(int domain, int phones, int cells,
-                                                    int per_participant) {
+Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(const Options& options) {
   std::unique_ptr<BusCrowd> crowd(new BusCrowd);
   std::shared_ptr<dds::Participant> participant;
-  for (int i = 0; i < phones; ++i) {
-    if (i % per_participant == 0) {
-      WAYMARK_TRY_ASSIGN(dds::Participant another, dds::Participant::Create({.domain = domain}));
+  for (int i = 0; i < options.phones; ++i) {
+    if (i % options.per_participant == 0) {
+      WAYMARK_TRY_ASSIGN(dds::Participant another,
+                         dds::Participant::Create({.domain = options.domain}));
       participant = std::make_shared<dds::Participant>(std::move(another));
     }
     constexpr int kAcross = 5;  // cells side by side
-    const int cell = i % cells;
-    auto phone =
-        std::make_unique<Phone>(i, kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
+    const int cell = i % options.cells;
+    auto phone = std::make_unique<Phone>(
+        options.first_phone + i, kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
     WAYMARK_TRY_ASSIGN(phone->bus,
                        wire::DeviceBus::Create(
                            participant, phone->hello.room, phone->hello.device,
@@ -101,9 +103,9 @@ Result<double> BusCrowd::JoinAll() {
     std::size_t welcome = 0;
     for (const auto& phone : phones_) welcome += phone->SayHello();
     if (welcome == phones_.size()) return Seconds(Clock::now() - begin);
-    if (Clock::now() - begin > std::chrono::minutes(1)) {
-      return MakeError(ErrorCode::kTimeout, "{} of {} phones are welcome after a minute", welcome,
-                       phones_.size());
+    if (Clock::now() - begin > kPatience) {
+      return MakeError(ErrorCode::kTimeout, "{} of {} phones are welcome after {}", welcome,
+                       phones_.size(), kPatience);
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
   }

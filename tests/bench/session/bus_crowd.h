@@ -12,10 +12,17 @@ namespace waymark::bench {
 /// Phones that speak DDS to the server themselves, spread over cells of 32 m.
 class BusCrowd {
  public:
-  /// Some phones share a participant, because a process of its own for each would be the machine's
-  /// load. Errors: those of the bus.
-  static Result<std::unique_ptr<BusCrowd>> Connect(int domain, int phones, int cells,
-                                                   int per_participant = 20);
+  struct Options {
+    int domain = 0;
+    int phones = 0;
+    int first_phone = 0;  ///< numbers are distinct in all crowds of a server
+    int cells = 20;
+    /// Some share one, because a participant of its own for each would be the machine's load.
+    int per_participant = 20;
+  };
+
+  /// Errors: those of the bus.
+  static Result<std::unique_ptr<BusCrowd>> Connect(const Options& options);
   ~BusCrowd();
 
   /// As Crowd.

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,10 @@ class Child {
   ~Child();
 
   const std::string& line() const { return line_; }
+  /// What it says after that. Errors: Unavailable (it ended).
+  Result<std::string> NextLine() const;
+  /// Says something to a program of ours: a signal that it waits for.
+  void Signal(int signal) const;
   /// Processor time so far.
   double CpuS() const;
   /// Resident memory.
@@ -30,9 +35,13 @@ class Child {
   int Descriptors() const;
 
  private:
-  Child(pid_t process, std::string line) : process_(process), line_(std::move(line)) {}
+  class Said;
+
+  Child(pid_t process, std::shared_ptr<Said> said, std::string line)
+      : process_(process), said_(std::move(said)), line_(std::move(line)) {}
 
   pid_t process_;
+  std::shared_ptr<Said> said_;  // null: nobody listens
   std::string line_;
 };
 

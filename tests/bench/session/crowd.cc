@@ -48,7 +48,7 @@ Result<std::unique_ptr<Crowd>> Crowd::Connect(std::uint16_t gateway_port, const 
   crowd->poll_ = ::epoll_create1(EPOLL_CLOEXEC);
   const int groups = std::max(1, options.phones / 4);
   for (int i = 0; i < options.phones; ++i) {
-    WAYMARK_TRY_ASSIGN(WebSocket socket, WebSocket::Connect(gateway_port));
+    WAYMARK_TRY_ASSIGN(WebSocket socket, WebSocket::Connect(gateway_port, options.is_tls));
     const std::uint64_t number = options.first_phone + static_cast<std::uint64_t>(i);
     crowd->phones_.push_back(std::make_unique<Phone>(
         Phone{.socket = std::move(socket),

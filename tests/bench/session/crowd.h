@@ -18,7 +18,8 @@ class Crowd {
     std::uint64_t per_room = 1'000'000;  ///< phones stand in rooms of so many
     double edge_m = 50;                  ///< of the square that each room's phones are spread over
     double hz = 30;                      ///< of reports
-    std::uint64_t first_phone = 0;       ///< which devices they are: those from this one on
+    bool is_tls = false;
+    std::uint64_t first_phone = 0;  ///< which devices they are: those from this one on
   };
 
   /// Errors: Unavailable.

@@ -3,12 +3,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <thread>
 
-#include "tests/bench/session/bus_crowd.h"
+#include "mapping/base/time.h"
 #include "tests/bench/session/child.h"
+#include "tests/bench/session/processes.h"
 
 namespace waymark::bench {
 namespace {
@@ -38,53 +41,59 @@ Result<double> Settled() {
 struct Cost {
   int devices;
   double found_kb, joined_kb, idle_kbps;  // of each
+  double join_s;
+  double server_mib;
 };
+
+/// Each process has at most so many of them, lest it run out of files that Cyclone can wait for.
+constexpr int kPerProcess = 50;
+
+Result<void> AwaitAll(const std::vector<Child>& processes, std::string_view word) {
+  for (const Child& process : processes) {
+    std::string line = process.line();
+    while (line != word) {
+      WAYMARK_TRY_ASSIGN(line, process.NextLine());
+    }
+  }
+  return {};
+}
 
 Result<Cost> Measure(int devices) {
   WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
   WAYMARK_TRY_ASSIGN(const double begin, LoopbackKilobytes());
-  WAYMARK_TRY_ASSIGN(const auto crowd, BusCrowd::Connect(std::stoi(server.line()), devices, 20, 1));
+  std::vector<Child> processes;
+  for (int first = 0; first < devices; first += kPerProcess) {
+    const int count = std::min(kPerProcess, devices - first);
+    WAYMARK_TRY_ASSIGN(Child process, Child::Start({"devices", server.line(), std::to_string(count),
+                                                    std::to_string(first)}));
+    processes.push_back(std::move(process));
+  }
+  WAYMARK_TRY(AwaitAll(processes, kDevicesAreMade));
   WAYMARK_TRY_ASSIGN(const double found, Settled());
-  WAYMARK_TRY(crowd->JoinAll());
+  const auto at_join = std::chrono::steady_clock::now();
+  for (const Child& process : processes) process.Signal(SIGUSR1);
+  WAYMARK_TRY(AwaitAll(processes, kDevicesHaveJoined));
+  const double join_s = Seconds(std::chrono::steady_clock::now() - at_join);
   std::this_thread::sleep_for(milliseconds(1000));
   WAYMARK_TRY_ASSIGN(const double joined, LoopbackKilobytes());
-  WAYMARK_TRY(crowd->JoinAll());  // says that they are here
-  std::this_thread::sleep_for(milliseconds(2000));
+  std::this_thread::sleep_for(milliseconds(3000));
   WAYMARK_TRY_ASSIGN(const double idle, LoopbackKilobytes());
-  return Cost{devices, (found - begin) / devices, (joined - found) / devices,
-              (idle - joined) / 2 / devices};
-}
-
-/// Least squares of a + b n at another n.
-double Extrapolate(const std::vector<Cost>& costs, double Cost::*figure, double devices) {
-  double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-  for (const Cost& cost : costs) {
-    const double at = cost.devices, value = cost.*figure;
-    n += 1, x += at, y += value, xx += at * at, xy += at * value;
-  }
-  const double slope = (n * xy - x * y) / (n * xx - x * x);
-  return (y - slope * x) / n + slope * devices;
+  return Cost{
+      devices, (found - begin) / devices, (joined - found) / devices, (idle - joined) / 3 / devices,
+      join_s,  server.MemoryMib()};
 }
 
 }  // namespace
 
 Result<void> MeasureDiscovery(const std::vector<int>& devices) {
-  fmt::print("{:>8} {:>22} {:>22} {:>22}\n", "devices", "until found, kB each",
-             "until joined, kB each", "then, kB/s each");
-  const auto print = [](const std::string& name, double found, double joined, double idle) {
-    fmt::print("{:>8} {:>22.1f} {:>22.1f} {:>22.2f}\n", name, found, joined, idle);
-    std::fflush(stdout);
-  };
-  std::vector<Cost> costs;
+  fmt::print("{:>8} {:>22} {:>22} {:>16} {:>14} {:>16}\n", "devices", "until found, kB each",
+             "until joined, kB each", "then, kB/s each", "joined in, s", "server, MiB");
   for (const int count : devices) {
     WAYMARK_TRY_ASSIGN(const Cost cost, Measure(count));
-    costs.push_back(cost);
-    print(std::to_string(count), cost.found_kb, cost.joined_kb, cost.idle_kbps);
+    fmt::print("{:>8} {:>22.1f} {:>22.1f} {:>16.2f} {:>14.1f} {:>16.0f}\n", count, cost.found_kb,
+               cost.joined_kb, cost.idle_kbps, cost.join_s, cost.server_mib);
+    std::fflush(stdout);
   }
-  if (costs.size() < 2) return {};
-  const auto at = [&](double Cost::*figure) { return Extrapolate(costs, figure, 1000); };
-  print("1,000", at(&Cost::found_kb), at(&Cost::joined_kb), at(&Cost::idle_kbps));
-  fmt::print("the last line continues straight lines through those before\n");
   return {};
 }
 

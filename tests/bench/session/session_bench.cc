@@ -8,145 +8,13 @@
 #include <string>
 #include <thread>
 
-#include "mapping/base/quantile.h"
-#include "session/server/server.h"
-#include "tests/bench/session/apps.h"
-#include "tests/bench/session/bus_crowd.h"
-#include "tests/bench/session/child.h"
-#include "tests/bench/session/churn.h"
-#include "tests/bench/session/crowd.h"
 #include "tests/bench/session/discovery.h"
-#include "tests/bench/session/peers/peers.h"
+#include "tests/bench/session/layouts.h"
 #include "tests/bench/session/processes.h"
 #include "tests/bench/session/summary.h"
 
 namespace waymark::bench {
 namespace {
-
-struct Flags {
-  std::vector<std::string> layouts{"city", "square"};
-  std::vector<int> phones{10, 30, 100, 300, 1000};
-  int per_room = 20;
-  int bus_phones = 200;
-  double city_m = 3000;
-  double square_m = 50;
-  double seconds = 8;
-  double hz = 30;
-  int churn_phones = 100;
-  int joins = 20;
-  int anchors = 200;
-  std::string csv, plot;
-};
-
-std::uint16_t PortOf(const Child& gateway) {
-  return static_cast<std::uint16_t>(std::stoi(gateway.line()));
-}
-
-/// Lets a crowd walk and says what it cost meanwhile.
-template <typename Walk>
-void Observe(const Child& server, const Child* gateway, const Walk& walk, Row& row) {
-  const double server_s = server.CpuS(), gateway_s = gateway ? gateway->CpuS() : 0;
-  const double own_s = OwnCpuS();
-  const auto begin = std::chrono::steady_clock::now();
-  const Walked walked = walk();
-  const double wall_s = Seconds(std::chrono::steady_clock::now() - begin);
-  row.server_cores = (server.CpuS() - server_s) / wall_s;
-  row.gateway_cores = gateway ? (gateway->CpuS() - gateway_s) / wall_s : 0;
-  row.generator_cores = (OwnCpuS() - own_s) / wall_s;
-  row.server_mib = server.MemoryMib();
-  row.gateway_mib = gateway ? gateway->MemoryMib() : 0;
-  Summarise(walked, session::ServerOptions().frame_hz, row);
-}
-
-/// So near that everybody is told of everybody at every tick.
-constexpr double kCloseRoom_m = 5;
-
-Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& flags) {
-  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
-  WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-  Crowd::Options options{.phones = phones, .hz = flags.hz};
-  options.edge_m = layout == "city" ? flags.city_m : flags.square_m;
-  if (layout == "rooms" || layout == "peers")
-    options.per_room = static_cast<std::uint64_t>(flags.per_room);
-  if (layout == "peers") options.edge_m = kCloseRoom_m;
-  WAYMARK_TRY_ASSIGN(const auto crowd, Crowd::Connect(PortOf(gateway), options));
-  Row row{.layout = layout, .phones = phones};
-  WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
-  Observe(
-      server, &gateway, [&] { return crowd->Walk(flags.seconds); }, row);
-  if (crowd->Lost() > 0) fmt::print("{} connections ended\n", crowd->Lost());
-  return row;
-}
-
-Result<Row> MeasureBus(int phones, const Flags& flags) {
-  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
-  constexpr int kCells = 20;
-  WAYMARK_TRY_ASSIGN(const auto crowd, BusCrowd::Connect(std::stoi(server.line()), phones, kCells));
-  Row row{.layout = "bus", .phones = phones};
-  WAYMARK_TRY_ASSIGN(row.join_s, crowd->JoinAll());
-  Observe(
-      server, nullptr, [&] { return crowd->Walk(flags.hz, flags.seconds); }, row);
-  return row;
-}
-
-/// Apps join a room in which a hundred phones walk, on both ways.
-Result<void> MeasureAppTimes(const Flags& flags) {
-  constexpr int kOthers = 100;
-  for (const bool is_direct : {false, true}) {
-    WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
-    WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-    WAYMARK_TRY_ASSIGN(
-        const auto crowd,
-        Crowd::Connect(PortOf(gateway), {.phones = kOthers, .edge_m = flags.square_m}));
-    WAYMARK_TRY(crowd->JoinAll());
-    std::atomic<bool> is_over = false;
-    std::thread walking([&] {
-      while (!is_over) (void)crowd->Walk(0.1);
-    });
-    const auto times =
-        MeasureApps(is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
-                    std::stoi(server.line()), "room0", kOthers, flags.joins, flags.anchors);
-    is_over = true;
-    walking.join();
-    if (!times) return times.error();
-    fmt::print(
-        "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times); acknowledged "
-        "anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
-        is_direct ? "on the bus" : "through a gateway", kOthers,
-        Quantile(times->joins_ms, 0.5, NAN), Quantile(times->joins_ms, 0.99, NAN), flags.joins,
-        Quantile(times->anchors_ms, 0.5, NAN), Quantile(times->anchors_ms, 0.99, NAN),
-        flags.anchors);
-  }
-  return {};
-}
-
-/// Our own way first, then the others'.
-Result<void> MeasureAllPeers(const Flags& flags) {
-  std::vector<PeerRow> ours;
-  for (const int phones : flags.phones) {
-    WAYMARK_TRY_ASSIGN(const Row row, MeasureGateway("peers", phones, flags));
-    ours.push_back({.way = "gateway and server",
-                    .phones = phones,
-                    .poses_per_s = row.poses_per_s * phones,
-                    .share = row.poses_per_s / (flags.hz * (flags.per_room - 1)),
-                    .age_p50_ms = row.age_p50_ms,
-                    .age_p99_ms = row.age_p99_ms,
-                    .broker_cores = row.server_cores + row.gateway_cores,
-                    .phones_cores = row.generator_cores});
-  }
-  return MeasurePeers({.phones = flags.phones,
-                       .per_room = flags.per_room,
-                       .hz = flags.hz,
-                       .seconds = flags.seconds},
-                      ours);
-}
-
-Result<void> MeasureChurnOfGateway(const Flags& flags) {
-  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
-  WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-  return MeasureChurn(server, gateway, PortOf(gateway),
-                      {.phones = flags.churn_phones, .seconds = flags.seconds});
-}
 
 /// Layouts that are no rows of the table.
 const std::vector<std::pair<std::string, Result<void> (*)(const Flags&)>> kOwnTables{
@@ -236,14 +104,27 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--churn-phones", flags.churn_phones, "phones at once of layout churn")
       ->capture_default_str();
+  app.add_flag("--tls", flags.is_tls, "phones and gateway encrypt what they say");
+  app.add_option("--record", flags.recordings,
+                 "folder in which the servers of city, square, rooms and peers record")
+      ->check(CLI::ExistingDirectory);
   app.add_option("--csv", flags.csv, "file for all figures");
   app.add_option("--plot", flags.plot, "file for a plot of latency and bytes, SVG");
-  int domain = 0, outcome = -1;
-  app.add_subcommand("server", "")->group("")->callback([&] { outcome = RunServer(); });
+  int domain = 0, count = 0, first = 0, outcome = -1;
+  std::string recording;
+  CLI::App* const server = app.add_subcommand("server", "")->group("");
+  server->add_option("--record", recording);
+  server->callback([&] { outcome = RunServer(recording); });
   CLI::App* const gateway = app.add_subcommand("gateway", "")->group("");
   gateway->add_option("DOMAIN", domain)->required();
+  gateway->add_flag("--tls", flags.is_tls);
   app.add_subcommand("fan-out", "")->group("")->callback([&] { outcome = RunFanOut(); });
-  gateway->callback([&] { outcome = RunGateway(domain); });
+  gateway->callback([&] { outcome = RunGateway(domain, flags.is_tls); });
+  CLI::App* const devices = app.add_subcommand("devices", "")->group("");
+  devices->add_option("DOMAIN", domain)->required();
+  devices->add_option("COUNT", count)->required();
+  devices->add_option("FIRST", first)->required();
+  devices->callback([&] { outcome = RunDevices(domain, count, first); });
   CLI11_PARSE(app, argc, argv);
   return outcome >= 0 ? outcome : Run(flags);
 }

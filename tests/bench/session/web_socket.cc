@@ -1,14 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/session/web_socket.h"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/tcp.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <array>
-#include <cerrno>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -63,65 +56,34 @@ Frame FindFrame(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-Result<WebSocket> WebSocket::Connect(std::uint16_t port) {
-  WebSocket socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
+Result<WebSocket> WebSocket::Connect(std::uint16_t port, bool is_tls) {
+  WAYMARK_TRY_ASSIGN(ByteStream stream, ByteStream::Connect(port, is_tls));
   const auto fail = [&](const char* what) {
-    return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: {} failed: error {}", port, what,
-                     errno);
+    return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: {} failed", port, what);
   };
-  if (::connect(socket.descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address) !=
-      0) {
-    return fail("connecting");
-  }
-  const int no_delay = 1;
-  ::setsockopt(socket.descriptor_, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
-  if (::send(socket.descriptor_, kUpgrade.data(), kUpgrade.size(), MSG_NOSIGNAL) < 0) {
-    return fail("the handshake");
-  }
+  const auto* const upgrade = reinterpret_cast<const std::uint8_t*>(kUpgrade.data());
+  if (!stream.Send({upgrade, kUpgrade.size()})) return fail("the handshake");
   std::string answer;
-  char letter = 0;
   while (!answer.ends_with("\r\n\r\n")) {
-    if (::recv(socket.descriptor_, &letter, 1, 0) != 1) return fail("the handshake");
-    answer += letter;
+    std::uint8_t letter = 0;
+    if (stream.Receive({&letter, 1}) != 1) return fail("the handshake");
+    answer += static_cast<char>(letter);
   }
   if (!answer.starts_with("HTTP/1.1 101")) return fail("the upgrade");
-  ::fcntl(socket.descriptor_, F_SETFL, O_NONBLOCK);
-  return socket;
-}
-
-WebSocket::WebSocket(WebSocket&& other) noexcept
-    : descriptor_(std::exchange(other.descriptor_, -1)),
-      outgoing_(std::move(other.outgoing_)),
-      incoming_(std::move(other.incoming_)) {}
-
-WebSocket& WebSocket::operator=(WebSocket&& other) noexcept {
-  std::swap(descriptor_, other.descriptor_);
-  outgoing_.swap(other.outgoing_);
-  incoming_.swap(other.incoming_);
-  return *this;
-}
-
-WebSocket::~WebSocket() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  stream.SetNonBlocking();
+  return WebSocket(std::move(stream));
 }
 
 bool WebSocket::Send(std::span<const std::uint8_t> message) {
   outgoing_.clear();
   AppendFrame(outgoing_, kBinary, message);
-  // A message is far smaller than the socket's buffer: it is taken as a whole or not at all.
-  return ::send(descriptor_, outgoing_.data(), outgoing_.size(), MSG_NOSIGNAL) ==
-         static_cast<ssize_t>(outgoing_.size());
+  return stream_.Send(outgoing_);
 }
 
 bool WebSocket::Receive(const std::function<void(std::span<const std::uint8_t>)>& on_message) {
   std::array<std::uint8_t, 64 * 1024> buffer;
-  const ssize_t count = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
-  if (count == 0) return false;
-  if (count < 0) return errno == EAGAIN || errno == EINTR;
+  const ssize_t count = stream_.Receive(buffer);
+  if (count <= 0) return count < 0;
   std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
   if (!incoming_.empty()) {
     incoming_.insert(incoming_.end(), bytes.begin(), bytes.end());
@@ -134,7 +96,7 @@ bool WebSocket::Receive(const std::function<void(std::span<const std::uint8_t>)>
     if (frame.kind == kPing) {
       outgoing_.clear();
       AppendFrame(outgoing_, kPong, frame.message);
-      (void)::send(descriptor_, outgoing_.data(), outgoing_.size(), MSG_NOSIGNAL);
+      (void)stream_.Send(outgoing_);
     }
     bytes = bytes.subspan(frame.size);
   }

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "mapping/base/result.h"
+#include "tests/bench/session/byte_stream.h"
 
 namespace waymark::bench {
 
@@ -15,12 +17,9 @@ namespace waymark::bench {
 class WebSocket {
  public:
   /// Connects to this machine and waits for the handshake. Errors: Unavailable.
-  static Result<WebSocket> Connect(std::uint16_t port);
-  WebSocket(WebSocket&& other) noexcept;
-  WebSocket& operator=(WebSocket&& other) noexcept;
-  ~WebSocket();
+  static Result<WebSocket> Connect(std::uint16_t port, bool is_tls);
 
-  int descriptor() const { return descriptor_; }
+  int descriptor() const { return stream_.descriptor(); }
   /// Sends a binary message; what the network does not take at once is dropped, as a whole.
   /// Says whether it was sent.
   bool Send(std::span<const std::uint8_t> message);
@@ -28,9 +27,9 @@ class WebSocket {
   bool Receive(const std::function<void(std::span<const std::uint8_t>)>& on_message);
 
  private:
-  explicit WebSocket(int descriptor) : descriptor_(descriptor) {}
+  explicit WebSocket(ByteStream stream) : stream_(std::move(stream)) {}
 
-  int descriptor_;
+  ByteStream stream_;
   std::vector<std::uint8_t> outgoing_;
   std::vector<std::uint8_t> incoming_;  // of a message that is not whole yet
 };
