@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "localiser/internal/burst_checks.h"
+#include "localiser/internal/burst/checks.h"
 #include "localiser/internal/localiser_impl.h"
 #include "localiser/internal/request_checks.h"
 #include "mapping/base/stopwatch.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "localiser/internal/burst_candidates.h"
+#include "localiser/internal/burst/candidates.h"
 #include "localiser/internal/candidate.h"
 #include "localiser/internal/release_submaps.h"
 #include "localiser/localiser.h"

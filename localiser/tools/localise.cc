@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "localiser/internal/batch.h"
-#include "localiser/internal/burst_query.h"
+#include "localiser/internal/burst/query.h"
 #include "localiser/tools/localise_options.h"
 #include "mapping/base/file.h"
 #include "mapping/base/log.h"

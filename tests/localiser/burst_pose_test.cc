@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_pose.h"
+#include "localiser/internal/burst/pose.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "localiser/internal/burst_evidence.h"
-#include "localiser/internal/burst_refinement.h"
+#include "localiser/internal/burst/evidence.h"
+#include "localiser/internal/burst/refinement.h"
 #include "mapping/estimation/upright_rig.h"
 #include "mapping/io/tum_trajectory.h"
 #include "tests/localiser/random_place.h"

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_pose.h"
+#include "localiser/internal/burst/pose.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
-#include "localiser/internal/burst_problem.h"
-#include "localiser/internal/burst_refinement.h"
+#include "localiser/internal/burst/problem.h"
+#include "localiser/internal/burst/refinement.h"
 #include "mapping/estimation/pose_statistics.h"
 #include "mapping/estimation/robust_loop.h"
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "localiser/internal/burst_candidates.h"
+#include "localiser/internal/burst/candidates.h"
 
 namespace waymark::localiser::internal {
 

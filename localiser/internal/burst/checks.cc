@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_checks.h"
+#include "localiser/internal/burst/checks.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "localiser/internal/ambiguity.h"
-#include "localiser/internal/burst_evidence.h"
+#include "localiser/internal/burst/evidence.h"
 #include "localiser/internal/look_alike.h"
 
 namespace waymark::localiser::internal {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "localiser/internal/burst_pose.h"
+#include "localiser/internal/burst/pose.h"
 #include "localiser/internal/candidate.h"
 #include "localiser/internal/coarse_quantiser.h"
 #include "localiser/localiser.h"

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_candidates.h"
+#include "localiser/internal/burst/candidates.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "localiser/internal/burst_evidence.h"
+#include "localiser/internal/burst/evidence.h"
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/stated_covariance.h"
 #include "mapping/base/stopwatch.h"

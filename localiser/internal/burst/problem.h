@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "localiser/internal/burst_refinement.h"
+#include "localiser/internal/burst/refinement.h"
 #include "localiser/internal/image_matches.h"
 #include "mapping/estimation/reprojection_table.h"
 #include "mapping/estimation/upright_rig.h"

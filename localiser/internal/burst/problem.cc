@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_problem.h"
+#include "localiser/internal/burst/problem.h"
 
 #include <Eigen/Geometry>
 

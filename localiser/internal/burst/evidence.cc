@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_evidence.h"
+#include "localiser/internal/burst/evidence.h"
 
 #include <fmt/format.h>
 

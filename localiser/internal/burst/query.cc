@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_query.h"
+#include "localiser/internal/burst/query.h"
 
 #include <utility>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "localiser/internal/burst_refinement.h"
+#include "localiser/internal/burst/refinement.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
