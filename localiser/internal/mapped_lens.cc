@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "mapping/geometry/lens_kind.h"
 
 namespace waymark::localiser::internal {
 namespace {
+
+// Pictures are resized about the corner or about the centre of the first pixel.
+constexpr double kMaxCentreOffsetPx = 0.5;
 
 bool IsNear(double focal_px, double stated_px) {
   constexpr double kShare = 0.05;  // mapping moved a wrong calibration by 2.6 %
@@ -20,14 +24,51 @@ Eigen::Vector2d Tangential(const CameraModel& camera) {
   return {camera.parameters()[6], camera.parameters()[7]};
 }
 
+bool HasTwoFocals(CameraKind kind) {
+  return kind == CameraKind::kPinhole || kind == CameraKind::kOpenCv;
+}
+
+/// Pixels of `stated` per pixel of `mapped`, were its pictures resized.
+Eigen::Vector2d ResizedBy(const CameraModel& stated, const CameraModel& mapped) {
+  return {static_cast<double>(stated.width_px()) / mapped.width_px(),
+          static_cast<double>(stated.height_px()) / mapped.height_px()};
+}
+
+/// Whether the pictures have the same sides but for rounding: cut ones have not.
+bool HasItsSides(const CameraModel& stated, const CameraModel& mapped) {
+  const Eigen::Vector2d by = ResizedBy(stated, mapped);
+  return std::abs(by.x() * mapped.height_px() - stated.height_px()) <= 1 ||
+         std::abs(by.y() * mapped.width_px() - stated.width_px()) <= 1;
+}
+
 bool IsTheSame(const CameraModel& stated, const CameraModel& mapped) {
-  const bool has_its_kind =
-      mapped.kind() == stated.kind() || mapped.kind() == WithRadialDistortion(stated.kind());
-  return has_its_kind && mapped.width_px() == stated.width_px() &&
-         mapped.height_px() == stated.height_px() &&
-         mapped.PrincipalPoint() == stated.PrincipalPoint() &&
-         Tangential(mapped) == Tangential(stated) && IsNear(mapped.FocalX(), stated.FocalX()) &&
-         IsNear(mapped.FocalY(), stated.FocalY());
+  if (mapped.kind() != stated.kind() && mapped.kind() != WithRadialDistortion(stated.kind())) {
+    return false;
+  }
+  const Eigen::Vector2d by = ResizedBy(stated, mapped);
+  const Eigen::Vector2d offset_px =
+      mapped.PrincipalPoint().cwiseProduct(by) - stated.PrincipalPoint();
+  return HasItsSides(stated, mapped) &&
+         offset_px.cwiseAbs().maxCoeff() <=
+             (by == Eigen::Vector2d::Ones() ? 0 : kMaxCentreOffsetPx) &&
+         Tangential(mapped) == Tangential(stated) &&
+         IsNear(by.x() * mapped.FocalX(), stated.FocalX()) &&
+         IsNear(by.y() * mapped.FocalY(), stated.FocalY());
+}
+
+/// The mapped lens behind the stated picture.
+CameraModel Resized(const CameraModel& mapped, const CameraModel& stated) {
+  const Eigen::Vector2d by = ResizedBy(stated, mapped);
+  std::vector<double> parameters(mapped.parameters().begin(), mapped.parameters().end());
+  const bool has_two_focals = HasTwoFocals(mapped.kind());
+  const std::size_t centre = has_two_focals ? 2 : 1;
+  parameters[0] *= by.x();
+  if (has_two_focals) parameters[1] *= by.y();
+  parameters[centre] = stated.PrincipalPoint().x();
+  parameters[centre + 1] = stated.PrincipalPoint().y();
+  const auto resized =
+      CameraModel::Create(mapped.kind(), stated.width_px(), stated.height_px(), parameters);
+  return resized ? *resized : stated;
 }
 
 }  // namespace
@@ -35,7 +76,7 @@ bool IsTheSame(const CameraModel& stated, const CameraModel& mapped) {
 CameraModel MappedLens(const CameraModel& stated, std::span<const CameraModel> mapped) {
   const auto same = std::ranges::find_if(
       mapped, [&](const CameraModel& camera) { return IsTheSame(stated, camera); });
-  return same == mapped.end() ? stated : *same;
+  return same == mapped.end() ? stated : Resized(*same, stated);
 }
 
 }  // namespace waymark::localiser::internal
