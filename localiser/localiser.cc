@@ -10,6 +10,7 @@
 
 #include "localiser/internal/ambiguity.h"
 #include "localiser/internal/localiser_impl.h"
+#include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/request_checks.h"
 #include "mapping/base/stopwatch.h"
 
@@ -148,10 +149,11 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
                               features.keypoints.size(), near.size(),
                               best.submap->released().id.text(), best.refusal, missing));
   }
-  const Stopwatch ambiguity_watch;
-  const auto ambiguity = internal::FindAmbiguity(candidates, features, request, options);
-  answer.times.pose_ms += 1e3 * ambiguity_watch.ElapsedS();
-  if (ambiguity) return refuse(LocalisationStatus::kNoConsistentPose, *ambiguity);
+  const Stopwatch doubt_watch;
+  auto doubt = internal::FindAmbiguity(candidates, features, request, options);
+  if (!doubt) doubt = internal::FindDoubt(best.pose->covariance, is_map_in_metres);
+  answer.times.pose_ms += 1e3 * doubt_watch.ElapsedS();
+  if (doubt) return refuse(LocalisationStatus::kNoConsistentPose, *doubt);
   refuse(LocalisationStatus::kLocalised,
          fmt::format("{} of {} matches agree in submap {}, one of {} searched{}",
                      best.pose->inliers, best.answer.matches.size(),
@@ -167,7 +169,8 @@ Result<std::shared_ptr<const Localiser>> Localiser::Create(const mapping::MapDir
   WAYMARK_TRY_ASSIGN(auto submaps, internal::ReleaseSubmaps::Open(
                                        map, release, options,
                                        before != nullptr ? &before->impl_->submaps : nullptr));
-  auto impl = std::make_unique<Impl>(Impl{options, release.epoch, std::move(submaps)});
+  auto impl = std::make_unique<Impl>(
+      Impl{options, release.epoch, std::move(submaps), map.description().is_geo_aligned});
   return std::shared_ptr<const Localiser>(new Localiser(std::move(impl)));
 }
 

@@ -6,6 +6,7 @@
 
 #include "localiser/internal/burst/checks.h"
 #include "localiser/internal/localiser_impl.h"
+#include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/request_checks.h"
 #include "mapping/base/stopwatch.h"
 
@@ -66,14 +67,17 @@ bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
     return false;
   }
   const Stopwatch watch;
+  // What the burst makes doubtful the last image alone may know better.
   const auto odometry = internal::FindOdometryContradiction(best, burst);
-  auto refusal = odometry ? odometry : internal::FindContradiction(best, burst, options);
+  const auto doubt =
+      odometry ? odometry : internal::FindDoubt(best.pose->covariance, is_map_in_metres);
+  auto refusal = doubt ? doubt : internal::FindContradiction(best, burst, options);
   if (!refusal) refusal = internal::FindBurstAmbiguity(candidates, burst, options);
   answer.times.pose_ms += 1e3 * watch.ElapsedS();
   if (refusal) {
     answer.status = LocalisationStatus::kNoConsistentPose;
     answer.reason = *std::move(refusal);
-    return !odometry;
+    return !doubt;
   }
   answer.status = LocalisationStatus::kLocalised;
   answer.reason = fmt::format(

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
+#include "localiser/internal/gravity.h"
 #include "localiser/internal/mapped_lens.h"
 
 namespace waymark::localiser::internal {
@@ -19,6 +21,20 @@ Eigen::Matrix<double, 6, 6> CarryCovariance(const Sim3& map_from_submap,
   jacobian.topLeftCorner<3, 3>() = map_from_submap.scale() * rotation;
   jacobian.bottomRightCorner<3, 3>() = rotation;
   return jacobian * in_submap * jacobian.transpose();
+}
+
+// Phone and map are each as good as half of what may contradict them, which is twice their sigma.
+Angle GravitySigma(const LocaliserOptions& options) {
+  return std::numbers::sqrt2 / 4 * options.max_gravity_error;
+}
+
+void HeedGravity(const Eigen::Vector3d& up_in_camera, const LocaliserOptions& options,
+                 const Similarity<Map, Submap>& map_from_submap, LocalisedPose& pose) {
+  const UncertainPose heeded = WithGravity({pose.map_from_camera.rigid(), pose.covariance},
+                                           up_in_camera.normalized(), GravitySigma(options));
+  pose.map_from_camera = Transform<Map, Camera>(heeded.map_from_camera);
+  pose.covariance = heeded.covariance;
+  pose.submap_from_camera = CarryPose(map_from_submap.Inverse(), pose.map_from_camera);
 }
 
 }  // namespace
@@ -76,6 +92,9 @@ Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
           FindContradiction(localised.map_from_camera, localised.inliers, request, options)) {
     candidate.refusal = *std::move(contradiction);
   } else {
+    if (request.up_in_camera) {
+      HeedGravity(*request.up_in_camera, options, released.map_from_submap, localised);
+    }
     candidate.pose = std::move(localised);
   }
   return candidate;

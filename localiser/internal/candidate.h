@@ -22,7 +22,8 @@ struct Candidate {
 /// What the phone says, seen from a submap.
 ImageSenses SensesIn(const OpenSubmap& submap, const LocalisationRequest& request);
 
-/// Carries an answer by map_from_submap and refuses it if gravity or the prior contradicts it.
+/// Carries an answer by map_from_submap and refuses it if gravity or the prior contradicts it; else
+/// the pose heeds the gravity that the request states.
 Candidate CarryToMap(const OpenSubmap& submap, SubmapAnswer answer,
                      const LocalisationRequest& request, const LocaliserOptions& options);
 

@@ -25,6 +25,7 @@ struct Localiser::Impl {
   LocaliserOptions options;
   std::uint64_t epoch = 0;
   internal::ReleaseSubmaps submaps;
+  bool is_map_in_metres = true;
 
   Localisation Answer(const LocalisationRequest& request) const;
   Localisation Answer(const BurstRequest& burst) const;

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "mapping/geometry/angle.h"
+
 namespace waymark::localiser::internal {
 namespace {
 
@@ -20,6 +22,16 @@ constexpr double kCrowding = 4;
 constexpr double kMaxFocalSigmas = 2.5;  // beyond its doubt, the lens is not the one stated
 constexpr std::size_t kMinGridCells = 5;
 constexpr double kMaxRelativeSigma = 0.05;  // of the distance, so that local maps need no metre
+
+// A false pose is off by more than 1 m or 5 degrees. Four standard deviations must be less, since
+// the errors of poses from few matches have longer tails than a normal distribution.
+constexpr double kMaxSigmaM = 0.25;
+constexpr Angle kMaxSigma = Angle::Degrees(1.25);
+
+double LargestSigma(const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(solver.eigenvalues().maxCoeff());
+}
 
 double LogBinomial(std::size_t n, std::size_t k) {
   const auto log_factorial = [](std::size_t x) { return std::lgamma(static_cast<double>(x) + 1); };
@@ -55,6 +67,20 @@ std::optional<std::string> FindLensContradiction(std::size_t inliers, double foc
                      inliers, focal_factor);
 }
 
+std::optional<std::string> FindDoubt(const Eigen::Matrix<double, 6, 6>& covariance,
+                                     bool is_map_in_metres) {
+  const double sigma_m = LargestSigma(covariance.topLeftCorner<3, 3>());
+  const Angle sigma = Angle::Radians(LargestSigma(covariance.bottomRightCorner<3, 3>()));
+  if (!(sigma_m <= kMaxSigmaM) && is_map_in_metres) {
+    return fmt::format("the position is uncertain by {:.2f} m, at most {}", sigma_m, kMaxSigmaM);
+  }
+  if (!(sigma <= kMaxSigma)) {
+    return fmt::format("the direction is uncertain by {:.2f} degrees, at most {}", sigma.degrees(),
+                       kMaxSigma.degrees());
+  }
+  return std::nullopt;
+}
+
 double ChanceOfInlier(double max_error_px, const CameraModel& camera) {
   const double area_px2 = double{1} * camera.width_px() * camera.height_px();
   return kCrowding * std::numbers::pi * max_error_px * max_error_px / area_px2;
@@ -82,9 +108,7 @@ std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence) {
     return fmt::format("{} inliers touch only {} of {} parts of the image, {} are needed",
                        evidence.inliers, evidence.parts, kImageParts * kImageParts, kMinGridCells);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(evidence.position_covariance,
-                                                              Eigen::EigenvaluesOnly);
-  const double sigma_m = std::sqrt(solver.eigenvalues().maxCoeff());
+  const double sigma_m = LargestSigma(evidence.position_covariance);
   if (!(sigma_m <= kMaxRelativeSigma * evidence.median_distance_m)) {
     return fmt::format("{} inliers at {:.1f} m leave the position uncertain by {:.2f} m",
                        evidence.inliers, evidence.median_distance_m, sigma_m);

@@ -43,6 +43,11 @@ struct CountedEvidence {
 };
 std::optional<std::string> FindReasonToRefuse(const CountedEvidence& evidence);
 
+/// Why a pose that may well be right is not to be shown: by its own covariance it may be off by
+/// more than a metre or five degrees. Metres count where the map has them.
+std::optional<std::string> FindDoubt(const Eigen::Matrix<double, 6, 6>& covariance,
+                                     bool is_map_in_metres);
+
 /// Whether the lens that a pose's inliers fit with is the one stated, whose focal length is in
 /// doubt by a share. Units: `focal_factor` is on the stated one
 std::optional<std::string> FindLensContradiction(std::size_t inliers, double focal_factor,

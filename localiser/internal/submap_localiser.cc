@@ -59,6 +59,16 @@ Entries ChooseEntries(std::span<const mapping::Descriptor> descriptors,
   return entries;
 }
 
+/// From the camera to the inlying landmarks.
+double MedianDistance(const ImageMatches& matches, const mapping::AbsolutePose& pose) {
+  std::vector<double> distances;
+  for (const std::uint32_t inlier : pose.inliers) {
+    distances.push_back(
+        (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
+  }
+  return Median(std::move(distances));
+}
+
 LandmarkSearch MakeSearch(std::span<const mapping::Descriptor> descriptors,
                           std::span<const std::uint32_t> observed_landmarks,
                           const CoarseQuantiser& quantiser, const LocaliserOptions& options) {
@@ -131,7 +141,8 @@ void SubmapLocaliser::EstimatePose(const ImageSenses& senses, SubmapAnswer& answ
         fmt::format("no pose agrees with {} of {} matches", options_.min_inliers, matches.size());
   } else {
     mapping::AbsolutePose& pose = **estimated;
-    pose.covariance = StatedCovariance(pose.covariance, senses.camera);
+    answer.median_distance_m = MedianDistance(matches, pose);
+    pose.covariance = StatedCovariance(pose.covariance, senses.camera, answer.median_distance_m);
     if (auto refusal = Judge(senses.camera, pose, answer)) {
       answer.refusal = *std::move(refusal);
     } else {
@@ -143,16 +154,12 @@ void SubmapLocaliser::EstimatePose(const ImageSenses& senses, SubmapAnswer& answ
 
 std::optional<std::string> SubmapLocaliser::Judge(const CameraModel& camera,
                                                   const mapping::AbsolutePose& pose,
-                                                  SubmapAnswer& answer) const {
+                                                  const SubmapAnswer& answer) const {
   const ImageMatches& matches = answer.matches;
   std::vector<Eigen::Vector2d> inliers_px;
-  std::vector<double> distances_m;
   for (const std::uint32_t inlier : pose.inliers) {
     inliers_px.push_back(matches.pixels_px[inlier]);
-    distances_m.push_back(
-        (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
   }
-  answer.median_distance_m = Median(distances_m);
   if (auto refusal =
           FindReasonToRefuse({.matches = matches.size(),
                               .inliers_px = inliers_px,

@@ -56,7 +56,7 @@ class SubmapLocaliser {
   ImageMatches Match(const mapping::ImageFeatures& features,
                      std::vector<LandmarkMatch> found) const;
   std::optional<std::string> Judge(const CameraModel& camera, const mapping::AbsolutePose& pose,
-                                   SubmapAnswer& answer) const;
+                                   const SubmapAnswer& answer) const;
 
   LocaliserOptions options_;
   std::span<const Eigen::Vector3d> landmarks_in_submap_;

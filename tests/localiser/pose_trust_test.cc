@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "localiser/internal/look_alike.h"
+#include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/stated_covariance.h"
 #include "tests/localiser/random_place.h"
 
@@ -74,6 +75,27 @@ TEST(LookAlike, IsNotSeenWhereTheRestAgreesOnTheSamePlace) {
   EXPECT_FALSE(FindIn(matches).has_value());
 }
 
+Eigen::Matrix<double, 6, 6> Covariance(double sigma_m, Angle sigma) {
+  Eigen::Matrix<double, 6, 6> covariance = 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
+  covariance(1, 1) = sigma_m * sigma_m;
+  covariance(5, 5) = sigma.radians() * sigma.radians();
+  return covariance;
+}
+
+TEST(Doubt, IsWhatMayBeOffByAMetreOrFiveDegrees) {
+  const auto find = [](double sigma_m, double sigma_deg) {
+    return FindDoubt(Covariance(sigma_m, Angle::Degrees(sigma_deg)), true);
+  };
+  EXPECT_EQ(find(0.24, 1.2), std::nullopt);
+  EXPECT_THAT(find(0.26, 1.2), testing::Optional(testing::HasSubstr("uncertain by 0.26 m")));
+  EXPECT_THAT(find(0.24, 1.3), testing::Optional(testing::HasSubstr("1.30 degrees")));
+}
+
+TEST(Doubt, OfMetresNeedsAMapInMetres) {
+  EXPECT_EQ(FindDoubt(Covariance(7, Angle::Degrees(1)), false), std::nullopt);
+  EXPECT_TRUE(FindDoubt(Covariance(7, Angle::Degrees(2)), false).has_value());
+}
+
 // Errors as localisation has them: neighbouring features share theirs, images are shifted.
 TEST(StatedCovariance, HoldsErrorsThatAreNotIndependent) {
   const RandomPlace place(3);
@@ -94,7 +116,7 @@ TEST(StatedCovariance, HoldsErrorsThatAreNotIndependent) {
         mapping::EstimateAbsolutePose(TestCamera(), matches.pixels_px, matches.points_in_submap, {},
                                       {.max_error_px = kMaxErrorPx, .min_inliers = 15});
     ASSERT_TRUE(pose.ok() && *pose);
-    const auto covariance = StatedCovariance((*pose)->covariance, TestCamera());
+    const auto covariance = StatedCovariance((*pose)->covariance, TestCamera(), 0);
     const auto error = Difference(truth, (*pose)->world_from_camera);
     const Eigen::Matrix3d of_position = covariance.topLeftCorner<3, 3>();
     const Eigen::Matrix3d of_rotation = covariance.bottomRightCorner<3, 3>();
@@ -106,6 +128,15 @@ TEST(StatedCovariance, HoldsErrorsThatAreNotIndependent) {
   for (const int inside : {position, rotation, both}) {
     EXPECT_GE(inside, 0.9 * kTrials);
   }
+}
+
+TEST(StatedCovariance, GrowsWithTheDistanceToWhatIsSeen) {
+  const Eigen::Matrix<double, 6, 6> none = Eigen::Matrix<double, 6, 6>::Zero();
+  const auto near = StatedCovariance(none, TestCamera(), 10);
+  const auto far = StatedCovariance(none, TestCamera(), 20);
+  EXPECT_GT(near(0, 0), 0);
+  EXPECT_DOUBLE_EQ(far(0, 0), 4 * near(0, 0));
+  EXPECT_DOUBLE_EQ(far(3, 3), near(3, 3));
 }
 
 }  // namespace

@@ -55,7 +55,8 @@ std::optional<BurstEvidence> EstimatePose(const OpenSubmap& submap, const AskedB
   BurstEvidence evidence = CountEvidence(answer.matches, pose);
   answer.median_distance_m = evidence.median_distance;
   InflateForRepetition(evidence, pose);
-  pose.covariance = StatedCovariance(pose.covariance, cameras.back().camera);
+  pose.covariance =
+      StatedCovariance(pose.covariance, cameras.back().camera, evidence.median_distance);
   if (auto refusal = FindReasonToRefuseBurst(cameras, answer.matches, pose, options.min_inliers,
                                              options.max_error_px)) {
     answer.refusal = *std::move(refusal);
