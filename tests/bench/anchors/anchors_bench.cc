@@ -35,6 +35,7 @@ struct Arguments {
   std::size_t fill_group = 1000;
   std::string kept;
   bool drop = false;
+  bool creates = false;
 };
 
 double ResidentMegabytes() {
@@ -164,7 +165,7 @@ void MeasureDropped(content::AnchorStore& store, const City& city, const Argumen
   (void)writer.Stop();
 }
 
-/// A store that is kept: filled up, then asked.
+/// A store that is kept: filled up, then asked, or filled further.
 int MeasureKept(const Arguments& arguments) {
   const content::StoreOptions options{.limits = content::StoreLimits::None()};
   const City city(arguments.per_room);
@@ -177,6 +178,10 @@ int MeasureKept(const Arguments& arguments) {
       CreateIn(**store, city.Group(next, arguments.fill_group));
     }
     fmt::print("{:>9} anchors\n", next);
+    if (arguments.creates) {
+      MeasureCreates(**store, arguments.kept, city, next, arguments.group, arguments.fill_group);
+      return 0;
+    }
     (void)MeasureAnswers(**store, city, arguments, next, next);  // places nobody asked for yet
     if (arguments.drop) MeasureDropped(**store, city, arguments, next);
   }
@@ -197,6 +202,8 @@ int Run(int argc, char** argv) {
   app.add_option("--kept", arguments.kept,
                  "a store of this program, which is filled up to --anchors and kept: only its "
                  "queries are measured");
+  app.add_flag("--creates", arguments.creates,
+               "with --kept: instead, durable creates beside the database used by hand");
   app.add_flag("--drop-caches", arguments.drop,
                "with --kept, as root: also queries whose pages come from disk");
   CLI11_PARSE(app, argc, argv);
@@ -219,18 +226,7 @@ int Run(int argc, char** argv) {
     const auto store = content::OpenStore(location, options);
     CHECK(store.ok(), "{}", ToString(store.error()));
     next = MeasureGrowth(**store, city, arguments);
-    const ByHand by_hand = server ? ByHand{OpenRawPostgres(location, Facts::kRow),
-                                           OpenRawPostgres(location, Facts::kSame)}
-                                  : ByHand{OpenRawSqlite(folder / "row.db", Facts::kRow),
-                                           OpenRawSqlite(folder / "same.db", Facts::kSame)};
-    Fill(by_hand, city, next, arguments.fill_group);
-    std::uint64_t other = std::uint64_t{1} << 40;  // numbers that nobody has
-    for (const std::size_t group : {std::size_t{16}, std::size_t{64}, arguments.group}) {
-      other = CompareCreates(**store, by_hand, city, other, group);
-    }
-    for (const int threads : {1, 16, 64}) {
-      other = MeasureSingleCreates(**store, city, other, threads);
-    }
+    MeasureCreates(**store, location, city, next, arguments.group, arguments.fill_group);
   }
   if (!arguments.postgres) {
     const fs::path file = folder / "store.db";

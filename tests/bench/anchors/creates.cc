@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <memory>
 #include <thread>
 
 #include "mapping/base/check.h"
 #include "tests/bench/anchors/processor.h"
+#include "tests/bench/anchors/raw_store.h"
 
 namespace waymark::bench {
 
@@ -57,19 +59,30 @@ void PrintFigures(std::size_t group, const Figures& rates, Figures processor_us)
   std::fflush(stdout);
 }
 
-}  // namespace
+/// Two ways by hand.
+struct ByHand {
+  std::unique_ptr<RawStore> row, same;
+};
+
+ByHand OpenByHand(const std::string& location) {
+  if (content::IsPostgresLocation(location)) {
+    return {OpenRawPostgres(location, Facts::kRow), OpenRawPostgres(location, Facts::kSame)};
+  }
+  return {OpenRawSqlite(location + ".row", Facts::kRow),
+          OpenRawSqlite(location + ".same", Facts::kSame)};
+}
 
 void Fill(const ByHand& by_hand, const City& city, std::uint64_t anchors, std::size_t group) {
-  for (std::uint64_t first = 0; first < anchors; first += group) {
-    const auto some = city.Group(first, std::min<std::uint64_t>(group, anchors - first));
-    by_hand.same->Create(some);
-    by_hand.row->Create(some);
+  for (RawStore* store : {by_hand.same.get(), by_hand.row.get()}) {
+    for (std::uint64_t first = store->Count(); first < anchors; first += group) {
+      store->Create(city.Group(first, std::min<std::uint64_t>(group, anchors - first)));
+    }
   }
 }
 
 std::uint64_t CompareCreates(content::AnchorStore& store, const ByHand& by_hand, const City& city,
                              std::uint64_t next, std::size_t group) {
-  constexpr std::size_t kRounds = 9;
+  constexpr std::size_t kRounds = 25;  // a disk is moody
   const std::size_t groups = std::clamp<std::size_t>(8192 / group, 1, 64);
   Figures rates, processor_us;
   for (std::size_t round = 0; round < kRounds; ++round) {
@@ -118,6 +131,19 @@ std::uint64_t MeasureSingleCreates(content::AnchorStore& store, const City& city
              threads, static_cast<double>(records.size()) / seconds, Quantile(times_ms, 0.5),
              Quantile(times_ms, 0.99));
   return next + records.size();
+}
+
+}  // namespace
+
+void MeasureCreates(content::AnchorStore& store, const std::string& location, const City& city,
+                    std::uint64_t anchors, std::size_t group, std::size_t fill_group) {
+  const ByHand by_hand = OpenByHand(location);
+  Fill(by_hand, city, anchors, fill_group);
+  std::uint64_t next = anchors + (std::uint64_t{1} << 40);  // numbers that nobody has
+  for (const std::size_t size : {std::size_t{16}, std::size_t{64}, group}) {
+    next = CompareCreates(store, by_hand, city, next, size);
+  }
+  for (const int threads : {1, 16, 64}) next = MeasureSingleCreates(store, city, next, threads);
 }
 
 }  // namespace waymark::bench

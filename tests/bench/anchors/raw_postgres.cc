@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <libpq-fe.h>
 
+#include <cstdlib>
 #include <vector>
 
 #include "content_store/internal/postgres_binary.h"
@@ -29,6 +30,12 @@ class Connection {
 
   void Run(const char* statement) { Check(PQexec(connection_, statement)); }
   void Prepare(const char* text) { Check(PQprepare(connection_, "insert", text, 0, nullptr)); }
+  std::uint64_t Count(const std::string& table) {
+    PGresult* const result = PQexec(connection_, ("SELECT count(*) FROM " + table).c_str());
+    const std::uint64_t count = std::strtoull(PQgetvalue(result, 0, 0), nullptr, 10);
+    Check(result);
+    return count;
+  }
   /// Runs the prepared statement, which commits by itself.
   void Execute(const std::vector<std::string>& parameters) {
     std::vector<const char*> values;
@@ -79,10 +86,10 @@ class RowStore final : public RawStore {
  public:
   explicit RowStore(const std::string& uri) : connection_(uri) {
     connection_.Run(
-        "DROP TABLE IF EXISTS raw_anchors; CREATE TABLE raw_anchors (n bigserial PRIMARY KEY, room "
-        "text COLLATE \"C\", id text COLLATE \"C\", latitude bigint, longitude bigint, record "
-        "bytea); CREATE UNIQUE INDEX raw_by_id ON raw_anchors (room, id); CREATE INDEX "
-        "raw_by_place ON raw_anchors (room, latitude, longitude)");
+        "CREATE TABLE IF NOT EXISTS raw_anchors (n bigserial PRIMARY KEY, room text COLLATE "
+        "\"C\", id text COLLATE \"C\", latitude bigint, longitude bigint, record bytea); CREATE "
+        "UNIQUE INDEX IF NOT EXISTS raw_by_id ON raw_anchors (room, id); CREATE INDEX IF NOT "
+        "EXISTS raw_by_place ON raw_anchors (room, latitude, longitude)");
     connection_.Prepare(
         "INSERT INTO raw_anchors (room, id, latitude, longitude, record) SELECT * FROM "
         "unnest($1::text[], $2::text[], $3::bigint[], $4::bigint[], $5::bytea[])");
@@ -94,6 +101,7 @@ class RowStore final : public RawStore {
                          std::move(all.latitudes).Take(), std::move(all.longitudes).Take(),
                          std::move(all.states).Take()});
   }
+  std::uint64_t Count() override { return connection_.Count("raw_anchors"); }
 
  private:
   Connection connection_;
@@ -103,17 +111,21 @@ class SameStore final : public RawStore {
  public:
   explicit SameStore(const std::string& uri) : connection_(uri) {
     connection_.Run(
-        "DROP TABLE IF EXISTS same_anchors, same_changes, same_owned, same_counter; "
-        "CREATE TABLE same_counter (value bigint NOT NULL); INSERT INTO same_counter VALUES (0); "
-        "CREATE TABLE same_anchors (room text COLLATE \"C\", id text COLLATE \"C\", revision "
+        "CREATE TABLE IF NOT EXISTS same_counter (value bigint NOT NULL); INSERT INTO same_counter "
+        "SELECT 0 WHERE NOT EXISTS (SELECT FROM same_counter); "
+        "CREATE TABLE IF NOT EXISTS same_anchors (room text COLLATE \"C\", id text COLLATE \"C\", "
+        "revision "
         "bigint, latitude bigint, longitude bigint, changed bigint, expires bigint, record bytea, "
         "PRIMARY KEY (room, id)); "
-        "CREATE INDEX ON same_anchors (room, latitude, longitude); "
-        "CREATE INDEX ON same_anchors (room, changed); "
-        "CREATE INDEX ON same_anchors (expires) WHERE expires IS NOT NULL; "
-        "CREATE TABLE same_changes (revision bigint PRIMARY KEY, room text COLLATE \"C\", id text "
-        "COLLATE \"C\"); CREATE INDEX ON same_changes (room, revision); "
-        "CREATE TABLE same_owned (room text COLLATE \"C\", owner text COLLATE \"C\", anchors "
+        "CREATE INDEX IF NOT EXISTS same_by_place ON same_anchors (room, latitude, longitude); "
+        "CREATE INDEX IF NOT EXISTS same_by_change ON same_anchors (room, changed); "
+        "CREATE INDEX IF NOT EXISTS same_by_expiry ON same_anchors (expires) WHERE expires IS NOT "
+        "NULL; "
+        "CREATE TABLE IF NOT EXISTS same_changes (revision bigint PRIMARY KEY, room text COLLATE "
+        "\"C\", id text COLLATE \"C\"); CREATE INDEX IF NOT EXISTS same_changes_by_room ON "
+        "same_changes (room, revision); "
+        "CREATE TABLE IF NOT EXISTS same_owned (room text COLLATE \"C\", owner text COLLATE \"C\", "
+        "anchors "
         "bigint, bytes bigint, PRIMARY KEY (room, owner))");
     connection_.Prepare(
         "WITH taken AS (UPDATE same_counter SET value = value + $10::bigint RETURNING value - "
@@ -138,6 +150,7 @@ class SameStore final : public RawStore {
          std::move(all.owners).Take(), std::move(all.changed).Take(), std::move(all.expires).Take(),
          std::move(all.bytes).Take(), content::internal::ToBinary(std::ssize(records))});
   }
+  std::uint64_t Count() override { return connection_.Count("same_anchors"); }
 
  private:
   Connection connection_;

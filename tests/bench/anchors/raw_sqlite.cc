@@ -65,6 +65,11 @@ class Database {
   Database& operator=(const Database&) = delete;
 
   sqlite3* get() const { return database_; }
+  std::uint64_t Count() {
+    Statement count(database_, "SELECT count(*) FROM anchors");
+    count.Run();
+    return static_cast<std::uint64_t>(count.first());
+  }
   void Run(const char* statement) {
     const int result = sqlite3_exec(database_, statement, nullptr, nullptr, nullptr);
     CHECK(result == SQLITE_OK, "{}: {}", statement, sqlite3_errmsg(database_));
@@ -78,10 +83,11 @@ class RowStore final : public RawStore {
  public:
   explicit RowStore(const std::string& file) : database_(file) {
     database_.Run(
-        "CREATE TABLE anchors (n INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude REAL, longitude "
+        "CREATE TABLE IF NOT EXISTS anchors (n INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude "
+        "REAL, longitude "
         "REAL, record BLOB)");
-    database_.Run("CREATE UNIQUE INDEX by_id ON anchors (room, id)");
-    database_.Run("CREATE INDEX by_place ON anchors (room, latitude, longitude)");
+    database_.Run("CREATE UNIQUE INDEX IF NOT EXISTS by_id ON anchors (room, id)");
+    database_.Run("CREATE INDEX IF NOT EXISTS by_place ON anchors (room, latitude, longitude)");
     insert_.emplace(database_.get(), "INSERT INTO anchors VALUES (NULL, ?1, ?2, ?3, ?4, ?5)");
   }
 
@@ -94,6 +100,7 @@ class RowStore final : public RawStore {
     }
     database_.Run("COMMIT");
   }
+  std::uint64_t Count() override { return database_.Count(); }
 
  private:
   Database database_;
@@ -104,16 +111,18 @@ class SameStore final : public RawStore {
  public:
   explicit SameStore(const std::string& file) : database_(file) {
     for (const char* object :
-         {"CREATE TABLE anchors (revision INTEGER PRIMARY KEY, room TEXT, id TEXT, latitude REAL, "
+         {"CREATE TABLE IF NOT EXISTS anchors (revision INTEGER PRIMARY KEY, room TEXT, id TEXT, "
+          "latitude REAL, "
           "longitude REAL, changed INTEGER, expires INTEGER, record BLOB)",
-          "CREATE UNIQUE INDEX by_id ON anchors (room, id)",
-          "CREATE INDEX by_place ON anchors (room, latitude, longitude)",
-          "CREATE INDEX by_change ON anchors (room, changed)",
-          "CREATE INDEX by_expiry ON anchors (expires) WHERE expires IS NOT NULL",
-          "CREATE TABLE changes (revision INTEGER PRIMARY KEY, room TEXT, id TEXT)",
-          "CREATE INDEX changes_by_room ON changes (room)",
-          "CREATE TABLE owned (room TEXT, owner TEXT, anchors INTEGER, bytes INTEGER, PRIMARY KEY "
-          "(room, owner)) WITHOUT ROWID"}) {
+          "CREATE UNIQUE INDEX IF NOT EXISTS by_id ON anchors (room, id)",
+          "CREATE INDEX IF NOT EXISTS by_place ON anchors (room, latitude, longitude)",
+          "CREATE INDEX IF NOT EXISTS by_change ON anchors (room, changed)",
+          "CREATE INDEX IF NOT EXISTS by_expiry ON anchors (expires) WHERE expires IS NOT NULL",
+          "CREATE TABLE IF NOT EXISTS changes (revision INTEGER PRIMARY KEY, room TEXT, id TEXT)",
+          "CREATE INDEX IF NOT EXISTS changes_by_room ON changes (room)",
+          "CREATE TABLE IF NOT EXISTS owned (room TEXT, owner TEXT, anchors INTEGER, bytes "
+          "INTEGER, "
+          "PRIMARY KEY (room, owner)) WITHOUT ROWID"}) {
       database_.Run(object);
     }
     latest_.emplace(database_.get(), "SELECT max(revision) FROM changes");
@@ -141,6 +150,7 @@ class SameStore final : public RawStore {
     }
     database_.Run("COMMIT");
   }
+  std::uint64_t Count() override { return database_.Count(); }
 
  private:
   Database database_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -29,8 +30,10 @@ class RawStore {
 
   /// One transaction, durable. Thread-compatible.
   virtual void Create(std::span<const content::AnchorRecord> records) = 0;
+  virtual std::uint64_t Count() = 0;
 };
 
+/// What an earlier run left there is kept.
 std::unique_ptr<RawStore> OpenRawSqlite(const std::string& file, Facts facts);
 std::unique_ptr<RawStore> OpenRawPostgres(const std::string& uri, Facts facts);
 
