@@ -133,10 +133,14 @@ class AnchorTables {
   /// States with revisions in (after, through].
   virtual std::uint64_t CountLog(std::uint64_t after, std::uint64_t through) = 0;
 
+  /// False unless this transaction began at this revision of the store. Or true, and the commit
+  /// fails with Conflict, where an answer has a way to go.
+  virtual bool Require(std::uint64_t latest) = 0;
+
   // What these do may fail as late as in Commit.
   /// Adds states to the log; `previous` goes with each.
   virtual void AppendLog(const std::vector<LogRow>& rows) = 0;
-  /// Adds rows to the index, which has none of these keys.
+  /// Adds rows to the index. Fails with Corrupt if it has one of these keys.
   virtual void AddPlaces(const std::vector<PlaceRow>& places) = 0;
   /// Replaces rows of the index, which has all these keys; every key once.
   virtual void ChangePlaces(const std::vector<PlaceRow>& places) = 0;

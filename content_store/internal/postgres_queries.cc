@@ -34,6 +34,9 @@ std::vector<PostgresQuery> PostgresQueries() {
       {"wm_commit", "COMMIT"},
       {"wm_rollback", "ROLLBACK"},
       {"wm_latest", "SELECT coalesce(max(revision), 0) FROM waymark.states"},
+      // Plain SQL has no other way to fail; PostgresSession knows what this failure says.
+      {"wm_require",
+       "SELECT 1 / CAST(coalesce(max(revision), 0) = $1::bigint AS integer) FROM waymark.states"},
       {"wm_find",
        "SELECT p.revision, s.previous, p.room, p.id, s.state, s.checksum FROM unnest($1::text[], "
        "$2::text[]) AS k(room, id) JOIN waymark.places p ON p.room = k.room AND p.id = k.id LEFT "

@@ -13,6 +13,7 @@ namespace {
 
 /// SQLSTATE classes by what a caller can do about them.
 ErrorCode CodeOf(std::string_view state) {
+  if (state == "22012") return ErrorCode::kConflict;  // a division by zero: `wm_require`
   const std::string_view kind = state.substr(0, 2);
   // XX: internal error, data and index corruption; 42: a table or column is not what it was;
   // 23: a key exists twice that our counter gives once.

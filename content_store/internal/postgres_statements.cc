@@ -155,6 +155,10 @@ std::vector<LogRow> PostgresStatements::LoadLog(const std::optional<RoomId>& roo
   return ToLogRows(AwaitLast());
 }
 
+void PostgresStatements::Require(std::uint64_t latest) {
+  pipeline_.Send("wm_require", {ToBinary(Clamp(latest))});
+}
+
 void PostgresStatements::Append(const std::vector<LogRow>& rows) {
   BinaryArray revisions(kNumber), previous(kNumber), checksums(kNumber);
   BinaryArray rooms(kText), ids(kText), states(BinaryArray::kBytes);

@@ -31,6 +31,8 @@ class PostgresStatements {
   std::vector<LogRow> LoadLog(const std::optional<RoomId>& room, std::uint64_t after,
                               std::size_t limit);
 
+  /// The transaction fails, with a division by zero, unless this is the revision.
+  void Require(std::uint64_t latest);
   void Append(const std::vector<LogRow>& rows);
   void Add(const std::vector<PlaceRow>& places) { SendPlaces("wm_add", places); }
   void Change(const std::vector<PlaceRow>& places) { SendPlaces("wm_change", places); }

@@ -52,6 +52,10 @@ class PostgresTables final : public SqlTables {
                               std::size_t limit) override {
     return statements_.LoadLog(room, after, limit);
   }
+  bool Require(std::uint64_t latest) override {
+    statements_.Require(latest);
+    return true;
+  }
   void AppendLog(const std::vector<LogRow>& rows) override { statements_.Append(rows); }
   void AddPlaces(const std::vector<PlaceRow>& places) override { statements_.Add(places); }
   void ChangePlaces(const std::vector<PlaceRow>& places) override { statements_.Change(places); }

@@ -27,6 +27,11 @@ Result<void> RateLimit::Admit(const std::string& owner, Time now) {
   return {};
 }
 
+void RateLimit::Return(const std::string& owner) {
+  const auto found = buckets_.find(owner);
+  if (found != buckets_.end()) found->second.level += 1;
+}
+
 void RateLimit::Forget(Time now) {
   std::erase_if(buckets_,
                 [&](const auto& entry) { return LevelAt(entry.second, now) >= limits_.max_burst; });

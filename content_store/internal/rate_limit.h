@@ -20,6 +20,9 @@ class RateLimit {
   /// Takes one write from the owner's bucket. Errors: Unavailable, saying when to try again.
   Result<void> Admit(const std::string& owner, Time now);
 
+  /// Puts back what Admit took for a write that is tried again.
+  void Return(const std::string& owner);
+
   std::size_t remembered() const { return buckets_.size(); }
 
  private:

@@ -13,6 +13,7 @@
 #include "content_store/internal/connection_pool.h"
 #include "content_store/internal/nearest.h"
 #include "content_store/internal/paged_query.h"
+#include "content_store/internal/store_writer.h"
 
 namespace waymark::content::internal {
 namespace {
@@ -25,7 +26,7 @@ class SqlStore final : public AnchorStore {
         options_(options),
         readers_(*database_),
         listeners_(*database_),
-        writer_(std::move(writer)) {}
+        writer_(*database_, options_, std::move(writer)) {}
 
   Result<WriteOutcome> Create(const AnchorRecord& record) override {
     WAYMARK_TRY(Validate(record));
@@ -112,15 +113,11 @@ class SqlStore final : public AnchorStore {
   std::vector<Result<WriteOutcome>> WriteMany(WriteKind kind,
                                               std::span<const AnchorRecord> records);
   std::vector<Result<WriteOutcome>> Commit(const std::vector<const WriteRequest*>& requests);
-  Result<void> PrepareWriter();
 
   const std::unique_ptr<AnchorDatabase> database_;
   const StoreOptions options_;
   ConnectionPool readers_, listeners_;
-  // The next three are used by the committing thread only.
-  std::unique_ptr<AnchorTables> writer_;  // absent: the connection was lost
-  bool is_untrusted_ = false;
-  RateLimit rates_{options_.limits};
+  StoreWriter writer_;  // used by the committing thread only
   CommitQueue queue_{[this](const auto& requests) { return Commit(requests); }};
   std::mutex committed_mutex_;
   std::condition_variable committed_;
@@ -178,37 +175,13 @@ Result<std::size_t> SqlStore::Expire(std::int64_t now_utc_ms, std::size_t limit)
   return deleted;
 }
 
-Result<void> SqlStore::PrepareWriter() {
-  if (is_untrusted_) {
-    return MakeError(ErrorCode::kUnavailable,
-                     "{}: an earlier write could not be synced to disk; reopen the store to see "
-                     "what the disk kept",
-                     database_->name());
-  }
-  if (writer_ != nullptr) return {};
-  WAYMARK_TRY_ASSIGN(writer_, database_->Connect());
-  return {};
-}
-
 std::vector<Result<WriteOutcome>> SqlStore::Commit(
     const std::vector<const WriteRequest*>& requests) {
-  if (requests.empty()) return {};
-  if (const auto ready = PrepareWriter(); !ready) return {requests.size(), ready.error()};
-  WriteBatch batch(*writer_, options_.limits, rates_, options_.clock());
-  auto outcomes = writer_->Write(
-      [&]() -> Result<std::vector<Result<WriteOutcome>>> { return batch.Run(requests); });
-  if (!outcomes) {
-    const ConnectionState state = writer_->state_after_failure();
-    is_untrusted_ = state == ConnectionState::kUntrusted;
-    if (state == ConnectionState::kLost) writer_.reset();
-    return {requests.size(), outcomes.error()};
-  }
-  if (batch.has_written()) {
-    const std::lock_guard lock(committed_mutex_);
-    ++commits_;
-    committed_.notify_all();
-  }
-  return *std::move(outcomes);
+  auto outcomes = writer_.Commit(requests);
+  const std::lock_guard lock(committed_mutex_);
+  ++commits_;
+  committed_.notify_all();
+  return outcomes;
 }
 
 Result<std::uint64_t> SqlStore::WaitForChanges(std::uint64_t after_revision,

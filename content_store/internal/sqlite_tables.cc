@@ -59,6 +59,7 @@ class SqliteTables final : public SqlTables {
                               std::size_t limit) override {
     return room ? statements_.LoadRoomLog(*room, after, limit) : statements_.LoadLog(after, limit);
   }
+  bool Require(std::uint64_t latest) override { return LatestRevision() == latest; }
   void AppendLog(const std::vector<LogRow>& rows) override {
     for (const LogRow& row : rows) statements_.Append(row);
   }

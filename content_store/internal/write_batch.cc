@@ -33,14 +33,21 @@ AnchorRecord Changed(const WriteRequest& request, const AnchorRecord& present) {
 
 }  // namespace
 
-std::vector<Result<WriteOutcome>> WriteBatch::Run(
+Error WriteBatch::NotAsForeseen() const {
+  return MakeError(ErrorCode::kConflict, "{}: expected revision {} and new ids", tables_.name(),
+                   foreseen_->latest);
+}
+
+Result<std::vector<Result<WriteOutcome>>> WriteBatch::Run(
     const std::vector<const WriteRequest*>& requests) {
+  if (foreseen_ && !tables_.Require(foreseen_->latest)) return NotAsForeseen();
   LoadBasis(requests);
   LoadOwners(requests);
   std::vector<Result<WriteOutcome>> outcomes;
   outcomes.reserve(requests.size());
   for (std::size_t i = 0; i < requests.size(); ++i) {
     outcomes.push_back(Apply(*requests[i], *asked_[i]));
+    if (foreseen_ && !outcomes.back()) return NotAsForeseen();
   }
   if (has_written()) Store();
   return outcomes;
@@ -60,8 +67,10 @@ void WriteBatch::LoadBasis(const std::vector<const WriteRequest*>& requests) {
     if (request->kind != WriteKind::kCreate) continue;
     known_owners_.insert({record.room.text(), record.owner});
   }
-  WriteBasis basis = tables_.LoadBasis(keys, {known_owners_.begin(), known_owners_.end()});
-  revision_ = basis.latest;
+  WriteBasis basis = foreseen_
+                         ? *foreseen_
+                         : tables_.LoadBasis(keys, {known_owners_.begin(), known_owners_.end()});
+  basis_revision_ = revision_ = basis.latest;
   usage_ = std::move(basis.usage);
   for (const LogRow& row : basis.present) {
     auto state = VerifyRow(tables_.name(), row);
@@ -94,7 +103,7 @@ Result<WriteOutcome> WriteBatch::Apply(const WriteRequest& request, Slot& slot) 
   const bool is_expected =
       present && !present->is_deleted && present->record.revision == request.expected_revision;
   if (!is_expected) return {ConflictWith(present)};
-  if (request.is_limited) WAYMARK_TRY(rates_.Admit(present->record.owner, now_));
+  WAYMARK_TRY(Admit(request, present->record.owner));
   if (request.kind != WriteKind::kDelete) return Change(request, slot);
   WAYMARK_TRY(
       Account(present->record.room.text(), present->record.owner, -1, -PayloadBytes(*present)));
@@ -113,7 +122,7 @@ Result<WriteOutcome> WriteBatch::Create(const WriteRequest& request, Slot& slot)
     if (is_retry) return {present->record};
     return {ConflictWith(present)};
   }
-  if (request.is_limited) WAYMARK_TRY(rates_.Admit(request.record.owner, now_));
+  WAYMARK_TRY(Admit(request, request.record.owner));
   AnchorState state{.record = request.record, .creation = std::move(creation)};
   WAYMARK_TRY(Account(state.record.room.text(), state.record.owner, 1, PayloadBytes(state)));
   return {Append(slot, std::move(state))};
@@ -125,6 +134,18 @@ Result<WriteOutcome> WriteBatch::Change(const WriteRequest& request, Slot& slot)
   WAYMARK_TRY(Account(present.record.room.text(), present.record.owner, 0,
                       PayloadBytes(next) - PayloadBytes(present)));
   return {Append(slot, std::move(next))};
+}
+
+Result<void> WriteBatch::Admit(const WriteRequest& request, const std::string& owner) {
+  if (!request.is_limited) return {};
+  WAYMARK_TRY(rates_.Admit(owner, now_));
+  admitted_.push_back(owner);
+  return {};
+}
+
+void WriteBatch::ReturnRates() {
+  for (const std::string& owner : admitted_) rates_.Return(owner);
+  admitted_.clear();
 }
 
 /// Growth is refused beyond the limits; what shrinks is always welcome.

@@ -5,6 +5,8 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "content_store/anchor_store.h"
@@ -28,13 +30,25 @@ struct WriteRequest {
 /// transaction; throws what SOCI throws. Thread-compatible.
 class WriteBatch {
  public:
-  WriteBatch(AnchorTables& tables, const StoreLimits& limits, RateLimit& rates, RateLimit::Time now)
-      : tables_(tables), limits_(limits), rates_(rates), now_(now) {}
+  /// `foreseen`: decide on this, and have the transaction fail if it is not so.
+  WriteBatch(AnchorTables& tables, const StoreLimits& limits, RateLimit& rates, RateLimit::Time now,
+             std::optional<WriteBasis> foreseen = std::nullopt)
+      : tables_(tables),
+        limits_(limits),
+        rates_(rates),
+        now_(now),
+        foreseen_(std::move(foreseen)) {}
 
-  std::vector<Result<WriteOutcome>> Run(const std::vector<const WriteRequest*>& requests);
+  /// Errors: Conflict if what was foreseen cannot decide: a refusal may be a repeated creation.
+  Result<std::vector<Result<WriteOutcome>>> Run(const std::vector<const WriteRequest*>& requests);
+  /// Nothing of it was committed, and it is tried again: its writes count in no owner's rate.
+  void ReturnRates();
 
-  /// The store's revision afterwards.
+  /// The store's revision before and afterwards.
+  std::uint64_t basis_revision() const { return basis_revision_; }
   std::uint64_t revision() const { return revision_; }
+  /// Of the owners in question, afterwards.
+  const std::map<OwnerKey, Usage>& usage() const { return usage_; }
   bool has_written() const { return !rows_.empty(); }
 
  private:
@@ -45,11 +59,13 @@ class WriteBatch {
     bool is_changed = false;  // by one of these writes
   };
 
+  Error NotAsForeseen() const;
   void LoadBasis(const std::vector<const WriteRequest*>& requests);
   void LoadOwners(const std::vector<const WriteRequest*>& requests);
   Result<WriteOutcome> Apply(const WriteRequest& request, Slot& slot);
   Result<WriteOutcome> Create(const WriteRequest& request, Slot& slot);
   Result<WriteOutcome> Change(const WriteRequest& request, Slot& slot);
+  Result<void> Admit(const WriteRequest& request, const std::string& owner);
   Result<void> Account(const std::string& room, const std::string& owner, std::int64_t anchors,
                        std::int64_t bytes);
   AnchorRecord Append(Slot& slot, AnchorState next);
@@ -59,7 +75,9 @@ class WriteBatch {
   const StoreLimits& limits_;
   RateLimit& rates_;
   const RateLimit::Time now_;
-  std::uint64_t revision_ = 0;
+  const std::optional<WriteBasis> foreseen_;
+  std::uint64_t basis_revision_ = 0, revision_ = 0;
+  std::vector<std::string> admitted_;  // owners, once for each write
   std::map<AnchorKey, Slot> slots_;
   std::vector<Slot*> asked_;         // by the requests, in their order
   std::set<OwnerKey> known_owners_;  // whose usage is in usage_, if they have any

@@ -23,6 +23,7 @@ inline constexpr std::uint64_t kDeleted = ~std::uint64_t{0};
 /// Every field that an update sets follows from anchor and version.
 inline AnchorRecord Version(std::uint64_t anchor, std::uint64_t version) {
   AnchorRecord record = MakeAnchor(anchor);
+  record.owner = fmt::format("owner {}", anchor % 2);  // known from one write to the next
   record.payload = fmt::format("{} {} ", anchor, version) +
                    std::string((anchor * 31 + version * 977) % 5000, 'p');
   record.epoch = version + 1;
