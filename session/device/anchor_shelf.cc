@@ -11,11 +11,14 @@ void AnchorShelf::StartRun(RunId run, std::uint64_t epoch) {
   if (run == run_) return;
   run_ = run;
   is_complete_ = false;
+  CountAnew();  // what of the new run is here already, before its welcome
+  Check();
+}
+
+void AnchorShelf::CountAnew() {
   of_run_ = {};
   of_delivery_ = {};
-  // What of the new run is here already, before its welcome.
   for (const auto& [id, held] : anchors_) Count(held, true);
-  Check();
 }
 
 void AnchorShelf::BeginResync() {
@@ -25,13 +28,19 @@ void AnchorShelf::BeginResync() {
   Check();
 }
 
-void AnchorShelf::Expect(RunId run, const Tally& all) {
+void AnchorShelf::Expect(RunId run, const Tally& all, const std::optional<AnchorArea>& area) {
   expected_ = {run, all};
+  if (area) {
+    area_ = area;
+    std::erase_if(anchors_, [&](const auto& entry) { return !Shows(entry.second); });
+    is_complete_ = false;
+    CountAnew();
+  }
   Check();
 }
 
 void AnchorShelf::Count(const Held& held, bool is_added) {
-  if (held.run != run_) return;
+  if (held.run != run_ || !Shows(held)) return;
   const std::uint64_t digest = AnchorDigest(held.anchor.record.id, held.anchor.record.revision);
   const auto count = [&](Tally& tally) {
     tally.count += is_added ? 1 : -1;

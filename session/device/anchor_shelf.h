@@ -33,8 +33,8 @@ class AnchorShelf {
   void StartRun(RunId run, std::uint64_t epoch);
   void CarryTo(std::uint64_t epoch, const Placements& placements);
   void BeginResync();
-  /// What it shall hold, in this run.
-  void Expect(RunId run, const Tally& all);
+  /// What it shall hold, in this run: of everything, or in an area. What is elsewhere is let go.
+  void Expect(RunId run, const Tally& all, const std::optional<AnchorArea>& area = std::nullopt);
 
   /// Told by the server in a run of its.
   void Put(RunId run, const RoomAnchor& anchor);
@@ -45,10 +45,15 @@ class AnchorShelf {
   const std::map<AnchorId, Held>& anchors() const { return anchors_; }
   const Held* Find(const AnchorId& anchor) const;
   bool IsComplete() const { return is_complete_; }
+  /// Whether it matters: not when it came late, for an area that was left.
+  bool Shows(const Held& held) const {
+    return !area_ || area_->Holds(held.anchor.record.map_from_anchor.translation());
+  }
 
  private:
   void Hold(RunId run, const RoomAnchor& anchor);
   void Count(const Held& held, bool is_added);
+  void CountAnew();
   bool Agrees(const Tally& tally) const;
   void Check();
 
@@ -64,6 +69,7 @@ class AnchorShelf {
     Tally all;
   };
   std::optional<Expected> expected_;
+  std::optional<AnchorArea> area_;  // in which anchors are counted
   bool is_complete_ = false;
 };
 

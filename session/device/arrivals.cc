@@ -15,7 +15,8 @@ void LiveSession::On(const wire::DeviceLink::Event& event) {
   ++changes_;
   join_.Restart(std::chrono::steady_clock::now());
   view_.BeginResync();  // what ended meanwhile is not told
-  images_.Abandon();    // a newer one is better than one that may never be answered
+  areas_.BeginAnew();
+  images_.Abandon();  // a newer one is better than one that may never be answered
 }
 
 void LiveSession::On(const Welcome& welcome) {
@@ -52,6 +53,29 @@ void LiveSession::On(const Welcome& welcome) {
     images_.Abandon();  // who was asked is no more
   }
   view_.StartRun(welcome.run, welcome.map.epoch, welcome.protocol >= kAudienceProtocol);
+  areas_.BeginAnew();
+}
+
+void LiveSession::On(const AreaState& state) {
+  areas_.On(state, std::chrono::steady_clock::now());
+  view_.On(state);
+}
+
+std::optional<Eigen::Vector2d> LiveSession::About() const {
+  if (const auto pose = CurrentPose().map_from_device) return pose->translation().head<2>();
+  const SessionMap map = CurrentMap();
+  if (!about_ || !map.is_geo_aligned) return std::nullopt;
+  return TangentPlane(map.origin).ToMap(*about_).coordinates().head<2>();
+}
+
+void LiveSession::SayArea(Instant now) {
+  if (!join_.IsConnected() || areas_.scope() == AnchorScope::kRoom) return;
+  const auto position_m = About();
+  if (!position_m) return;
+  auto report = areas_.TakeDue(*position_m, view_.HasSnapshot(), now);
+  if (!report) return;
+  report->ticket = join_.welcome()->ticket;
+  (void)link_->Send(*report);
 }
 
 void LiveSession::On(const wire::DeviceGone& gone) { view_.OnGone(gone.device, SessionNow()); }

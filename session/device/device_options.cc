@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "session/device/device_session.h"
+#include "session/device/device_options.h"
+
 #include "session/state/messages.h"
 
 namespace waymark::session {
@@ -43,6 +44,10 @@ Result<void> DeviceOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument,
                      "owner's secret: expected at most {} bytes, found {}", kMaxOwnerSecretBytes,
                      owner_secret.size());
+  }
+  if (!(anchor_radius_m >= 0 && anchor_radius_m <= kMaxAreaRadius_m)) {
+    return MakeError(ErrorCode::kInvalidArgument, "anchor radius: expected [0, {}] m, found {}",
+                     kMaxAreaRadius_m, anchor_radius_m);
   }
   WAYMARK_TRY(correction.Validate());
   return alignment.Validate();

@@ -32,6 +32,7 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
     const std::lock_guard lock(mutex_);
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
     if (!standing_.is_in) return NotIn();
+    if (frame.gnss) about_ = frame.gnss;
     gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
     const Instant now = std::chrono::steady_clock::now();
     if (IsTileCurrent()) tile_desk_.Offer(frame, now, join_.IsConnected());

@@ -19,9 +19,11 @@ Result<std::unique_ptr<wire::DeviceLink>> MakeBus(const DeviceOptions& options,
                                 .server = options.server,
                                 .security_folder = options.security_folder,
                                 .transmit_loss_per_mille = options.transmit_loss_per_mille}));
-  WAYMARK_TRY_ASSIGN(
-      auto bus, wire::DeviceBus::Create(std::make_shared<dds::Participant>(std::move(participant)),
-                                        options.room, device, std::move(handler)));
+  WAYMARK_TRY_ASSIGN(auto bus,
+                     wire::DeviceBus::Create(
+                         std::make_shared<dds::Participant>(std::move(participant)), options.room,
+                         device, std::move(handler),
+                         options.anchor_radius_m > 0 ? AnchorScope::kArea : AnchorScope::kRoom));
   return std::unique_ptr<wire::DeviceLink>(std::move(bus));
 }
 

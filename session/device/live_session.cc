@@ -36,8 +36,10 @@ LiveSession::LiveSession(const DeviceOptions& options, const DeviceId& id,
       images_(options.keyframe_interval, options.request_timeout),
       tile_desk_(options.keyframe_interval, options.tile_patience),
       sizer_(options.keyframe_interval),
+      areas_(options.anchor_radius_m),
+      about_(options.about),
       tracker_(options.alignment, options.correction),
-      view_(id) {}
+      view_(id, areas_.scope()) {}
 
 Result<std::unique_ptr<LiveSession>> LiveSession::Start(const DeviceOptions& options) {
   const DeviceId id =
@@ -95,10 +97,12 @@ void LiveSession::SendWhatIsDue() {
                             .room = options_.room,
                             .name = options_.name,
                             .token = options_.token,
-                            .owner_secret = options_.owner_secret});
+                            .owner_secret = options_.owner_secret,
+                            .anchor_scope = areas_.scope()});
   }
   if (join_.TakeLongSilence(now)) {
     view_.BeginResync();
+    areas_.BeginAnew();
     ++changes_;
   }
   if (join_.TakePingDue(now)) {
@@ -116,6 +120,7 @@ void LiveSession::SendWhatIsDue() {
           due);
     }
   }
+  SayArea(now);
   if (images_.TakeTimeout(now)) {
     ++statistics_.timeouts;
     sizer_.OnTooSlow();

@@ -112,6 +112,7 @@ void RoomView::OnGone(const AnchorId& anchor, std::optional<bool> is_own) {
 }
 
 void RoomView::On(const RoomState& state) {
+  if (scope_ == AnchorScope::kArea) return;  // counts those elsewhere too
   room_.Expect(state.run, {state.anchor_count, state.anchor_digest});
 }
 
@@ -119,12 +120,17 @@ void RoomView::On(const OwnerState& state) {
   own_.Expect(state.run, {state.anchor_count, state.anchor_digest});
 }
 
+void RoomView::On(const AreaState& state) {
+  if (scope_ != AnchorScope::kArea) return;
+  room_.Expect(state.run, {state.anchor_count, state.anchor_digest}, state.area);
+}
+
 std::vector<SharedAnchor> RoomView::Anchors() const {
   std::vector<SharedAnchor> anchors;
   anchors.reserve(room_.anchors().size() + own_.anchors().size());
   for (const AnchorShelf* const shelf : {&room_, &own_}) {
     for (const auto& [id, held] : shelf->anchors()) {
-      if (FindLatest(id) == &held) anchors.push_back(ToShared(held.shown));
+      if (shelf->Shows(held) && FindLatest(id) == &held) anchors.push_back(ToShared(held.shown));
     }
   }
   return anchors;

@@ -16,7 +16,9 @@ namespace waymark::session {
 /// thread-compatible.
 class RoomView {
  public:
-  explicit RoomView(const DeviceId& self) : self_(self) {}
+  /// Of the anchors that are for all, it is told those of the room or of an area.
+  explicit RoomView(const DeviceId& self, AnchorScope scope = AnchorScope::kRoom)
+      : self_(self), scope_(scope) {}
 
   /// The server answered, in this run and with this release live. A new run begins a new snapshot.
   /// `tells_own`: it knows of private anchors, and the snapshot waits for those too.
@@ -35,6 +37,7 @@ class RoomView {
   void OnGone(const AnchorId& anchor, std::optional<bool> is_own = std::nullopt);
   void On(const RoomState& state);
   void On(const OwnerState& state);
+  void On(const AreaState& state);
   /// What a command of ours brought about or found, which may be known before its publication.
   void OnOwnChange(const RoomAnchor& anchor);
 
@@ -56,6 +59,7 @@ class RoomView {
   const AnchorShelf::Held* FindLatest(const AnchorId& anchor) const;
 
   DeviceId self_;
+  AnchorScope scope_;
   RunId run_{};
   std::map<DeviceId, Other> others_;
   std::map<DeviceNumber, DeviceId> numbers_;  // of the present run

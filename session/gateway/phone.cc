@@ -81,8 +81,20 @@ void Phone::OnWhole(std::span<const std::uint8_t> frame) {
     if (farewell->device != hello_->device) return Close("goodbye of another device");
     has_left_ = true;
   }
+  if (const auto* area = std::get_if<AreaReport>(&*message)) return OnArea(*area);
   Say(*std::move(message));
   if (has_left_) Close("goodbye");
+}
+
+// What it is interested in, the gateway knows for it.
+void Phone::OnArea(const AreaReport& report) {
+  std::shared_ptr<Room> room;
+  {
+    const std::lock_guard lock(mutex_);
+    if (report.ticket != ticket_ || !areas_.Take(1, std::chrono::steady_clock::now())) return;
+    room = room_;
+  }
+  if (room) room->SetArea(shared_from_this(), report);
 }
 
 // What comes many times a second is gathered with that of others; with a ticket that is not its own

@@ -69,6 +69,8 @@ class Phone : public std::enable_shared_from_this<Phone> {
   const std::string& owner() const { return owner_; }
   /// Where it stands; requires device().
   const RoomId& room() const { return hello_->room; }
+  /// Which anchors it wants to be told of; requires device().
+  AnchorScope anchor_scope() const { return hello_->anchor_scope; }
   /// As whom the server knows it, and where it looks; zeros before that is known.
   struct Stance {
     DeviceNumber number{};
@@ -96,6 +98,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   void OnHello(Hello hello);
   void Refuse(const Hello& hello, const std::string& why);
   void Say(wire::Upward message);
+  void OnArea(const AreaReport& report);
   void Hear(const Welcome& welcome);
   void OnEnd(const Error& why);
 
@@ -117,6 +120,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::shared_ptr<Room> room_;
   Ticket ticket_{};
   Stance stance_;
+  Allowance areas_{1 / Seconds(kMinAreaInterval)};
 };
 
 }  // namespace waymark::session::internal

@@ -38,7 +38,9 @@ void Room::Admit(const PhonePtr& phone) {
   };
   tell(map_);
   for (const auto& [device, word] : presences_) tell(word);
-  for (const auto& [anchor, word] : anchors_) tell(word);
+  if (phone->anchor_scope() == AnchorScope::kRoom) {
+    for (const auto& [anchor, word] : anchors_) tell(word);
+  }
   if (const auto own = own_.find(phone->owner()); own != own_.end()) {
     for (const auto& [anchor, word] : own->second.anchors) tell(word);
     tell(own->second.state);
@@ -51,6 +53,7 @@ bool Room::Leave(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
   waiting_.erase(phone);
   phones_.erase(phone);
+  by_area_.erase(phone);
   const auto is_its = [&](const auto& entry) { return entry.second == phone; };
   std::erase_if(by_device_, is_its);
   std::erase_if(by_owner_, is_its);
@@ -92,7 +95,9 @@ void Room::Hear(const wire::Downward& message) {
         if constexpr (requires { On(content, frame); }) On(content, frame);
       },
       message);
-  if (frame) TellAll(frame, wire::SlotOf(message));
+  const bool is_of_anchor = std::holds_alternative<AnchorState>(message) ||
+                            std::holds_alternative<wire::AnchorGone>(message);
+  if (frame && !is_of_anchor) TellAll(frame, wire::SlotOf(message));
 }
 
 void Room::On(const Presence& presence, const wire::SharedFrame& frame) {
@@ -105,10 +110,40 @@ void Room::On(const wire::DeviceGone& gone, const wire::SharedFrame&) {
 
 void Room::On(const AnchorState& state, const wire::SharedFrame& frame) {
   anchors_.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
+  TellOfAnchor(anchor_relay_.Put(state), frame);
 }
 
-void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame&) {
+void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
   anchors_.erase(gone.anchor);
+  TellOfAnchor(anchor_relay_.Remove(gone.anchor), frame);
+}
+
+/// Who hears of it; nobody does without a frame.
+void Room::TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFrame& frame) {
+  for (const auto& [phone, pose_listener] : phones_) {
+    if (frame && !by_area_.contains(phone)) phone->Tell(frame, std::nullopt);
+  }
+  for (auto& [phone, listener] : by_area_) {
+    if (listener.Concerns(change) && frame) phone->Tell(frame, std::nullopt);
+  }
+}
+
+void Room::TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener) {
+  const auto state = listener.TakeState(anchor_relay_);
+  if (!state) return;
+  const wire::Downward message(*state);
+  phone->Tell(wire::Share(wire::EncodeFrame(message)), wire::SlotOf(message));
+}
+
+void Room::SetArea(const PhonePtr& phone, const AreaReport& report) {
+  const std::lock_guard lock(mutex_);
+  if (phone->anchor_scope() != AnchorScope::kArea) return;
+  AnchorRelay::Listener& listener =
+      by_area_.try_emplace(phone, AnchorRelay::Listener(*phone->device())).first->second;
+  for (const AnchorId& anchor : anchor_relay_.Listen(listener, report).coming) {
+    phone->Tell(anchors_.at(anchor).frame, std::nullopt);
+  }
+  TellAreaState(phone, listener);
 }
 
 void Room::On(const MapState& state, const wire::SharedFrame& frame) { map_ = {state.run, frame}; }
@@ -118,11 +153,16 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
   if (state.run != state_.run) {
     const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
     std::erase_if(presences_, is_over);
+    for (const auto& [anchor, word] : anchors_) {
+      if (word.run != state.run) TellOfAnchor(anchor_relay_.Remove(anchor), nullptr);
+    }
     std::erase_if(anchors_, is_over);
     for (auto& [owner, words] : own_) std::erase_if(words.anchors, is_over);
     if (map_.run != state.run) map_ = {};
   }
   state_ = {state.run, frame};
+  anchor_relay_.Expect(state.run, state.anchor_count, state.anchor_digest);
+  for (auto& [phone, listener] : by_area_) TellAreaState(phone, listener);
 }
 
 // What ends while the server is away is not told; what still holds then is told anew.
@@ -130,6 +170,8 @@ void Room::ForgetWords() {
   const std::lock_guard lock(mutex_);
   presences_.clear();
   anchors_.clear();
+  anchor_relay_ = AnchorRelay();
+  for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
   own_.clear();
   state_ = map_ = {};
 }

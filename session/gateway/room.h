@@ -7,6 +7,7 @@
 #include <set>
 
 #include "session/gateway/phone.h"
+#include "session/state/anchor_relay.h"
 #include "session/state/pose_relay.h"
 #include "session/wire/room_line.h"
 
@@ -31,6 +32,8 @@ class Room : public std::enable_shared_from_this<Room> {
   /// From now on it is told what the room is told, after all that still holds of what was; unless
   /// it left meanwhile.
   void Admit(const PhonePtr& phone);
+  /// A phone that hears of areas alone asks for one.
+  void SetArea(const PhonePtr& phone, const AreaReport& report);
   /// Says whether nobody is left.
   bool Leave(const PhonePtr& phone);
 
@@ -67,6 +70,8 @@ class Room : public std::enable_shared_from_this<Room> {
   void On(const RoomState& state, const wire::SharedFrame& frame);
   void On(const MapState& state, const wire::SharedFrame& frame);
   void TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slot);
+  void TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFrame& frame);
+  void TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener);
   void ForgetWords();
 
   // On the loop.
@@ -83,6 +88,8 @@ class Room : public std::enable_shared_from_this<Room> {
   bool is_telling_ = false;
   std::map<DeviceId, Word> presences_;
   std::map<AnchorId, Word> anchors_;
+  AnchorRelay anchor_relay_;  // knows the same
+  std::map<PhonePtr, AnchorRelay::Listener> by_area_;
   Word state_, map_;
   std::multimap<std::string, PhonePtr> by_owner_;
   std::map<std::string, OwnWords> own_;  // of owners who have a phone here

@@ -29,8 +29,8 @@ struct LocalisePoolOptions {
 };
 
 /// Localises on a few threads. A device's newer image replaces its older one in the queue. What
-/// cannot be answered in time is answered "busy" at once rather than late: the queue is full, or, as
-/// long as recent images took, would not be through. Thread-safe.
+/// cannot be answered in time is answered "busy" at once rather than late: the queue is full, or,
+/// as long as recent images took, would not be through. Thread-safe.
 class LocalisePool {
  public:
   /// `deliver` is called from the pool's threads and, for refusals, from Submit.

@@ -34,9 +34,8 @@ LocaliseFunction MakeLocaliseFunction(std::shared_ptr<const localiser::Localiser
       WAYMARK_TRY_ASSIGN(request.image, mapping::DecodeGrayImage(query.image));
     }
     if (query.prior && is_geo_aligned) {
-      request.prior =
-          localiser::PositionPrior{.position = plane.ToMap(query.prior->position),
-                                   .radius_m = SearchRadius_m(query.prior->sigma_m)};
+      request.prior = localiser::PositionPrior{.position = plane.ToMap(query.prior->position),
+                                               .radius_m = SearchRadius_m(query.prior->sigma_m)};
     }
     return localiser->Localise(request);
   };

@@ -71,7 +71,9 @@ void Publisher::Do(const effect::SendWelcome& effect, ServerTime now) {
 }
 
 void Publisher::Do(const effect::CloseDevice& effect, ServerTime now) {
-  owners_.Forget(effect.device);  // or its return would begin with what held before it left
+  // Or its return would begin with what held before it left.
+  owners_.Forget(effect.device);
+  areas_.Forget(effect.device);
   closing_devices_.insert_or_assign(effect.device, now);
   const auto open = open_devices_.find(effect.device);
   if (open == open_devices_.end()) return;
@@ -179,6 +181,7 @@ void Publisher::Tend(ServerTime now) {
   Forget(withdrawn_devices_, now);
   Forget(withdrawn_anchors_, now);
   owners_.Tend(now, kMemoryOfEnds);
+  areas_.Tend(now, kMemoryOfEnds);
 }
 
 template <typename Key>

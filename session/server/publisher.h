@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "session/server/area_publisher.h"
 #include "session/server/owner_publisher.h"
 #include "session/server/server.h"
 #include "session/state/events.h"
@@ -27,7 +28,8 @@ class Publisher {
         relay_options_(relay),
         counters_(counters),
         clock_(std::move(clock)),
-        owners_(bus) {}
+        owners_(bus),
+        areas_(bus) {}
 
   void Do(const effect::OpenRoom& effect, ServerTime now);
   void Do(const effect::CloseRoom& effect, ServerTime now);
@@ -44,6 +46,7 @@ class Publisher {
   void Do(const effect::SendReply& effect, ServerTime now);
   void Do(const effect::SendOwn& effect, ServerTime now) { owners_.Do(effect, now); }
   void Do(const effect::SendOwnChange& effect, ServerTime now) { owners_.Do(effect, now); }
+  void Do(const effect::TellArea& effect, ServerTime now) { areas_.Do(effect, now); }
 
   /// Closes and forgets what has been over for long enough.
   void Tend(ServerTime now);
@@ -76,6 +79,7 @@ class Publisher {
   Withdrawn<DeviceId> withdrawn_devices_;
   Withdrawn<AnchorId> withdrawn_anchors_;
   OwnerPublisher owners_;
+  AreaPublisher areas_;
 };
 
 }  // namespace waymark::session

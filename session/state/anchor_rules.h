@@ -14,7 +14,7 @@ enum class AnchorRights : std::uint8_t { kEveryone, kOwner };
 
 struct AnchorRules {
   AnchorRights rights = AnchorRights::kEveryone;
-  std::size_t max_anchors = 20'000;     ///< of a room; and private ones of all its owners
+  std::size_t max_anchors = 200'000;    ///< of a room; and private ones of all its owners
   std::size_t max_own_anchors = 1'000;  ///< private ones of an owner in a room
   std::uint64_t live_epoch = 1;
 };

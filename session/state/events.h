@@ -50,6 +50,10 @@ struct PermitsRevoked {
 struct RoomCommandReceived {
   RoomCommand command;
 };
+/// From a device that no gateway speaks for: gateways know what their phones are interested in.
+struct AreaReceived {
+  AreaReport report;
+};
 /// Any sign of life that carries nothing else: a ping, an image.
 struct Heard {
   Ticket ticket{};
@@ -101,7 +105,7 @@ using Event =
     std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
                  event::CommandReceived, event::RoomLoaded, event::WriteFinished,
                  event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked,
-                 event::PermitsRevoked, event::RoomCommandReceived>;
+                 event::PermitsRevoked, event::RoomCommandReceived, event::AreaReceived>;
 
 namespace effect {
 
@@ -187,6 +191,16 @@ struct SendOwnChange {
   OwnerState state;
 };
 
+/// What a device that asked for an area is told of it, in this order.
+struct TellArea {
+  DeviceId device;
+  std::vector<AnchorState> anchors = {};
+  std::vector<AnchorId> over = {};
+  /// Of these it is told nothing; they do not matter to it any more.
+  std::vector<AnchorId> leaving = {};
+  std::optional<AreaState> state = {};
+};
+
 }  // namespace effect
 
 using Effect =
@@ -194,6 +208,7 @@ using Effect =
                  effect::CloseDevice, effect::PublishPresence, effect::WithdrawPresence,
                  effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
                  effect::PublishRoomState, effect::PublishMapState, effect::ReportSwap,
-                 effect::WriteAnchor, effect::SendReply, effect::SendOwn, effect::SendOwnChange>;
+                 effect::WriteAnchor, effect::SendReply, effect::SendOwn, effect::SendOwnChange,
+                 effect::TellArea>;
 
 }  // namespace waymark::session

@@ -10,13 +10,13 @@
 #include <string_view>
 #include <vector>
 
-#include "content_store/anchor_record.h"
 #include "localiser/localiser.h"
 #include "mapping/base/id.h"
 #include "mapping/base/time.h"
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
+#include "session/state/anchors.h"
 #include "session/state/poses.h"
 #include "session/state/role.h"
 #include "session/state/uuid.h"
@@ -24,9 +24,11 @@
 /// What devices and the server say to each other, as plain values; idl/README.md has the topics.
 namespace waymark::session {
 
-inline constexpr std::uint32_t kProtocol = 2;
+inline constexpr std::uint32_t kProtocol = 3;
 /// Since this one anchors have an audience, and owners are told theirs.
 inline constexpr std::uint32_t kAudienceProtocol = 2;
+/// Since this one devices may ask for the anchors of an area alone.
+inline constexpr std::uint32_t kAreaProtocol = 3;
 
 // Nothing that arrives may exceed these; the store and the bus rely on them.
 inline constexpr std::size_t kMaxNameBytes = 64;
@@ -53,6 +55,7 @@ struct Hello {
   std::string name;               ///< at most 64 bytes of printable UTF-8
   std::string token = {};         ///< see session/keys/token.h; never kept, logged or recorded
   std::string owner_secret = {};  ///< see session/keys/owner.h; likewise
+  AnchorScope anchor_scope = AnchorScope::kRoom;
 };
 
 /// kRemoved ends what an earlier welcome began.
@@ -141,74 +144,6 @@ struct LocaliseAnswer {
   ServerTime received = {};  ///< the query
   ServerTime sent = {};
 };
-
-// ---- anchors ----------------------------------------------------------------------------------
-
-struct RoomAnchor {
-  content::AnchorRecord record;
-  bool is_supported = true;  ///< false: none of its submaps is left in the map
-};
-
-struct AnchorState {
-  RunId run{};
-  RoomAnchor anchor;  ///< room, place and times do not travel
-};
-
-enum class AnchorOperation : std::uint8_t { kCreate, kMove, kDelete };
-
-struct AnchorCommand {
-  Ticket ticket{};
-  Uuid request{};  ///< the same in every repetition
-  AnchorOperation operation = AnchorOperation::kCreate;
-  AnchorId anchor;
-  std::uint64_t expected_revision = 0;  ///< move, delete
-  std::uint64_t epoch = 1;              ///< of map_from_anchor
-  Transform<Map, Anchor> map_from_anchor = {};
-  std::vector<SubmapId> seen_in = {};  ///< submaps of the fixes it stands on, best first
-  std::string kind = {};               ///< create
-  std::string payload = {};            ///< create
-  content::AnchorVisibility visibility = content::AnchorVisibility::kRoom;  ///< create
-};
-
-enum class CommandOutcome : std::uint8_t {
-  kApplied,
-  kConflict,
-  kNotFound,
-  kInvalid,
-  kUnavailable,
-  kForbidden,  ///< not with this role
-};
-
-struct CommandReply {
-  DeviceId device;
-  Uuid request{};
-  CommandOutcome outcome = CommandOutcome::kApplied;
-  std::string reason = {};
-  AnchorId anchor;
-  std::optional<RoomAnchor> current = {};  ///< what stands there now; absent: nothing
-};
-
-struct RoomState {
-  RoomId room;
-  RunId run{};
-  std::uint64_t revision = 0;
-  std::uint64_t epoch = 1;
-  std::uint32_t anchor_count = 0;
-  std::uint64_t anchor_digest = 0;  ///< XOR of AnchorDigest over the anchors
-
-  friend bool operator==(const RoomState&, const RoomState&) = default;
-};
-
-/// Of an owner's private anchors in a room, told to its devices alone.
-struct OwnerState {
-  std::string owner;
-  RunId run{};
-  std::uint32_t anchor_count = 0;
-  std::uint64_t anchor_digest = 0;
-};
-
-/// What an anchor in this state adds to the digest of its room or owner.
-std::uint64_t AnchorDigest(const AnchorId& anchor, std::uint64_t revision);
 
 // ---- releases ---------------------------------------------------------------------------------
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "session/state/anchor_relay.h"
 #include "session/state/events.h"
 
 namespace waymark::session {
@@ -31,6 +32,7 @@ struct RoomMember {
   event::Permit permit = {};          ///< that it came with
   ServerTime own_told = {};           ///< when it was told all that its owner alone may see
   bool is_own_due = false;            ///< it is to be told anew
+  ServerTime area_heard = {};         ///< when it last said in what it is interested
 
   Role role() const { return permit.role; }
   /// Of what it places.
@@ -76,7 +78,9 @@ struct Room {
   std::uint32_t capacity = 0;            ///< devices that it holds; set when it is opened
   AnchorSet shared;                      ///< seen by all
   std::map<std::string, AnchorSet> own;  ///< by owner: seen by its devices alone
-  std::optional<RoomState> told;         ///< the latest
+  AnchorRelay relay;                     ///< knows the shared ones
+  std::map<DeviceId, AnchorRelay::Listener> listeners;  ///< members that asked for an area
+  std::optional<RoomState> told;                        ///< the latest
   std::size_t writes_under_way = 0;
   std::uint64_t followed = 0;                ///< up to here the store's feed has told everything
   std::set<AnchorId> removed;                ///< deleted here; the feed has not told it yet

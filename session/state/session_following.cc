@@ -44,7 +44,7 @@ void SessionState::Show(Room& room, const RoomAnchor& anchor, Step& step) {
   }
   HideOwn(room, record.id, record.revision, step);
   room.shared.Put(anchor);
-  step.effects.push_back(effect::PublishAnchor{record.room, AnchorState{run_, anchor}});
+  PublishAnchor(room, anchor, step);
 }
 
 void SessionState::Hide(Room& room, const RoomId& id, const AnchorId& anchor,
@@ -57,6 +57,11 @@ void SessionState::HideShared(Room& room, const RoomId& id, const AnchorId& anch
                               std::uint64_t revision, Step& step) {
   if (!room.shared.Remove(anchor, revision)) return;
   step.effects.push_back(effect::WithdrawAnchor{id, anchor});
+  const AnchorRelay::Change change = room.relay.Remove(anchor);
+  for (auto& [device, listener] : room.listeners) {
+    if (!listener.Concerns(change)) continue;
+    step.effects.push_back(effect::TellArea{.device = device, .over = {anchor}});
+  }
 }
 
 // ---- what an owner alone may see --------------------------------------------------------------

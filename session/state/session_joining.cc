@@ -58,6 +58,14 @@ void SessionState::OpenFor(const event::HelloReceived& event, Step& step) {
 void SessionState::Admit(const event::HelloReceived& event, Step& step) {
   const Hello& hello = event.hello;
   Room& room = rooms_.at(hello.room);
+  const std::size_t anchors = room.shared.anchors.size();
+  if (hello.anchor_scope == AnchorScope::kRoom && anchors > options_.max_told_anchors) {
+    return Refuse(hello, JoinVerdict::kRefused,
+                  fmt::format("room {}: holds {} anchors and tells a device {} at most; join it "
+                              "with an area (anchor radius)",
+                              hello.room.text(), anchors, options_.max_told_anchors),
+                  step);
+  }
   std::optional<RoomMember> returning = TakeAway(hello.device);
   if (returning && returning->room == hello.room) {
     returning->name = hello.name;
@@ -180,6 +188,7 @@ RoomMember SessionState::Unseat(const DeviceId& device, Step& step) {
   RoomMember member = std::move(found->second);
   Room& room = rooms_.at(member.room);
   room.members.erase(device);
+  room.listeners.erase(device);
   room.last_used = step.now;
   step.effects.push_back(effect::WithdrawPresence{member.room, device});
   step.effects.push_back(effect::CloseDevice{device});

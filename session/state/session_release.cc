@@ -44,7 +44,7 @@ void SessionState::On(const event::ReleaseSwapped& event, Step& step) {
     PublishMap(id, room, step);
     for (auto& [anchor_id, anchor] : room.shared.anchors) {
       carry(anchor);
-      step.effects.push_back(effect::PublishAnchor{id, AnchorState{run_, anchor}});
+      PublishAnchor(room, anchor, step);
     }
     PublishState(id, room, step);
   }

@@ -130,9 +130,11 @@ void SessionState::PublishState(const RoomId& id, Room& room, Step& step) {
                         .epoch = map_.epoch,
                         .anchor_count = static_cast<std::uint32_t>(room.shared.anchors.size()),
                         .anchor_digest = room.shared.digest};
-  if (room.told == state) return;
-  room.told = state;
-  step.effects.push_back(effect::PublishRoomState{state});
+  if (room.told != state) {
+    room.told = state;
+    step.effects.push_back(effect::PublishRoomState{state});
+  }
+  PublishAreas(room, step);
 }
 
 }  // namespace waymark::session

@@ -28,7 +28,8 @@ struct StateOptions {
   std::chrono::nanoseconds max_clock_error = std::chrono::seconds(10);    ///< of a pose's time
   std::size_t max_rooms = 64;
   std::size_t max_members = 1024;          ///< of a room; moderators may set less
-  std::size_t max_anchors = 20'000;        ///< of a room; and private ones of all its owners
+  std::size_t max_anchors = 200'000;       ///< of a room; and private ones of all its owners
+  std::size_t max_told_anchors = 20'000;   ///< of a room: with more, devices must say which area
   std::size_t max_own_anchors = 1'000;     ///< private ones of an owner in a room
   std::size_t max_writes_per_device = 32;  ///< waiting for the store
   AnchorRights rights = AnchorRights::kEveryone;
@@ -82,6 +83,7 @@ class SessionState {
   void On(const event::Ticked& event, Step& step);
   void On(const event::PermitsRevoked& event, Step& step);
   void On(const event::RoomCommandReceived& event, Step& step);
+  void On(const event::AreaReceived& event, Step& step);
 
   std::optional<std::string> FindObjection(const event::HelloReceived& event, ServerTime now) const;
   std::optional<std::string> FindBan(const event::HelloReceived& event, ServerTime now) const;
@@ -112,6 +114,8 @@ class SessionState {
   void PublishMap(const RoomId& id, const Room& room, Step& step);
   void Follow(Room& room, const content::AnchorChange& change, Step& step);
   void Show(Room& room, const RoomAnchor& anchor, Step& step);
+  void PublishAnchor(Room& room, const RoomAnchor& anchor, Step& step);
+  void PublishAreas(Room& room, Step& step);
   void Hide(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
             Step& step);
   void ShowOwn(Room& room, const RoomAnchor& anchor, Step& step);

@@ -13,6 +13,7 @@ struct UpWriters {
   dds::Writer commands;
   dds::Writer pings;
   dds::Writer room_commands;
+  dds::Writer areas;
 };
 
 Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& room,
@@ -24,8 +25,10 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
   WAYMARK_TRY_ASSIGN(auto commands, MakeWriter<AnchorCommand>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pings, MakeWriter<ClockPing>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto room_commands, MakeWriter<RoomCommand>(participant, partition));
+  WAYMARK_TRY_ASSIGN(auto areas, MakeWriter<AreaReport>(participant, partition));
   return UpWriters{std::move(hello),    std::move(poses), std::move(queries),
-                   std::move(commands), std::move(pings), std::move(room_commands)};
+                   std::move(commands), std::move(pings), std::move(room_commands),
+                   std::move(areas)};
 }
 
 }  // namespace
@@ -48,7 +51,7 @@ Result<void> CheckIdentity(const RoomId& room, const DeviceId& device) {
 
 Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Participant> participant,
                                                      const RoomId& room, const DeviceId& device,
-                                                     Handler handler) {
+                                                     Handler handler, AnchorScope scope) {
   WAYMARK_TRY(CheckIdentity(room, device));
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
@@ -56,6 +59,8 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
   WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<PoseBatch>(DevicePartition(room, device), handler));
+  WAYMARK_TRY(scope == AnchorScope::kRoom ? readers.ListenToAnchors(room, handler)
+                                          : readers.ListenToArea(room, device, handler));
   WAYMARK_TRY(readers.ListenToRoom(room, handler));
   return std::unique_ptr<DeviceBus>(new DeviceBus(std::move(impl)));
 }
@@ -70,6 +75,7 @@ Result<void> DeviceBus::Send(Upward message) {
     Result<void> operator()(const AnchorCommand& m) { return Write(impl.writers.commands, m); }
     Result<void> operator()(const ClockPing& m) { return Write(impl.writers.pings, m); }
     Result<void> operator()(const RoomCommand& m) { return Write(impl.writers.room_commands, m); }
+    Result<void> operator()(const AreaReport& m) { return Write(impl.writers.areas, m); }
     Result<void> operator()(const Farewell& m) {
       waymark_Hello key{};
       SetId(key.device, m.device);

@@ -30,6 +30,8 @@ inline constexpr std::uint8_t kKind<ClockPing> = 5;
 template <>
 inline constexpr std::uint8_t kKind<RoomCommand> = 8;
 template <>
+inline constexpr std::uint8_t kKind<AreaReport> = 9;
+template <>
 inline constexpr std::uint8_t kKind<Welcome> = 17;
 template <>
 inline constexpr std::uint8_t kKind<Presence> = 18;
@@ -49,6 +51,8 @@ template <>
 inline constexpr std::uint8_t kKind<ClockPong> = 25;
 template <>
 inline constexpr std::uint8_t kKind<OwnerState> = 27;
+template <>
+inline constexpr std::uint8_t kKind<AreaState> = 28;
 
 template <typename Message>
 std::vector<std::uint8_t> EncodeWire(const WireOf<Message>& wire, bool is_end) {
@@ -147,6 +151,7 @@ Result<Upward> DecodeUpward(std::span<const std::uint8_t> frame) {
       .Try<AnchorCommand>()
       .Try<ClockPing>()
       .Try<RoomCommand>()
+      .Try<AreaReport>()
       .Take();
 }
 
@@ -166,6 +171,7 @@ Result<Downward> DecodeDownward(std::span<const std::uint8_t> frame) {
       .Try<MapState>()
       .Try<ClockPong>()
       .Try<OwnerState>()
+      .Try<AreaState>()
       .Take();
 }
 

@@ -12,19 +12,23 @@ waymark_Hello Encode(const Hello& hello, Scratch&) {
   SetText(wire.name, hello.name);
   SetText(wire.token, hello.token);
   SetText(wire.owner_secret, hello.owner_secret);
+  wire.anchor_scope = static_cast<waymark_AnchorScope>(hello.anchor_scope);
   return wire;
 }
 
 // What a device may ask wrongly is decided by the state, which can answer; only what is dangerous
 // is dropped here.
 Result<Hello> Decode(const waymark_Hello& wire) {
+  WAYMARK_TRY_ASSIGN(const AnchorScope scope,
+                     DecodeEnum(wire.anchor_scope, AnchorScope::kArea, "anchor scope"));
   Hello hello{.device = GetId<DeviceId>(wire.device),
               .protocol = wire.protocol,
               .attempt = wire.attempt,
               .room = RoomId(GetText(wire.room)),
               .name = GetText(wire.name),
               .token = GetText(wire.token),
-              .owner_secret = GetText(wire.owner_secret)};
+              .owner_secret = GetText(wire.owner_secret),
+              .anchor_scope = scope};
   WAYMARK_TRY(CheckName(hello.room.text(), "room"));
   WAYMARK_TRY(CheckText(hello.name, kMaxNameBytes, "device name"));
   return hello;

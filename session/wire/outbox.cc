@@ -15,6 +15,7 @@ std::optional<Slot> SlotOf(const Upward& message) {
   if (std::holds_alternative<PoseReport>(message)) return Slot{1};
   if (std::holds_alternative<ClockPing>(message)) return Slot{3};
   if (std::holds_alternative<Hello>(message)) return Slot{4};
+  if (std::holds_alternative<AreaReport>(message)) return Slot{5};
   return std::nullopt;
 }
 
@@ -22,6 +23,7 @@ std::optional<Slot> SlotOf(const Downward& message) {
   if (const auto* batch = std::get_if<PoseBatch>(&message)) return kFirstChunk + batch->chunk;
   if (std::holds_alternative<ClockPong>(message)) return Slot{1};
   if (std::holds_alternative<RoomState>(message)) return Slot{2};
+  if (std::holds_alternative<AreaState>(message)) return Slot{3};
   return std::nullopt;
 }
 

@@ -37,6 +37,7 @@ Result<std::unique_ptr<RoomLine>> RoomLine::Create(std::shared_ptr<dds::Particip
                                       std::move(commands), std::move(room_commands),
                                       Readers(participant)});
   WAYMARK_TRY(impl->readers.ListenToRoom(room, handler, on_lost));
+  WAYMARK_TRY(impl->readers.ListenToAnchors(room, handler));
   WAYMARK_TRY(impl->readers.Listen<PoseBatch>(DownPartition(room), handler));
   WAYMARK_TRY(impl->readers.ListenToOwn(GatewayDownPartition(room), handler));
   return std::unique_ptr<RoomLine>(new RoomLine(std::move(impl)));
@@ -56,6 +57,7 @@ Result<void> RoomLine::Send(const Upward& message) {
     }
     Result<void> operator()(const PoseReport&) { return Refuse(); }
     Result<void> operator()(const ClockPing&) { return Refuse(); }
+    Result<void> operator()(const AreaReport&) { return Refuse(); }
 
     Result<void> Refuse() const {
       return MakeError(ErrorCode::kUnsupported, "room {}: this goes another way", impl.room.text());

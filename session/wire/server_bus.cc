@@ -86,6 +86,7 @@ Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptio
   WAYMARK_TRY(impl->Listen<ClockPing>(handler));
   WAYMARK_TRY(impl->Listen<GatewayReport>(kGatewaysUp, std::move(gateway_handler)));
   WAYMARK_TRY(impl->Listen<RoomCommand>(handler));
+  WAYMARK_TRY(impl->Listen<AreaReport>(handler));
   return std::unique_ptr<ServerBus>(new ServerBus(std::move(impl)));
 }
 
@@ -124,7 +125,7 @@ Result<void> ServerBus::Impl::OpenOwn(const RoomId& room, const DeviceId& device
   devices.insert_or_assign(
       device, DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
                             std::move(own_anchors), std::move(own_states), std::move(pongs),
-                            std::move(poses)});
+                            std::move(poses), partition});
   return {};
 }
 

@@ -60,6 +60,15 @@ class ServerBus {
   Result<void> Withdraw(const DeviceId& device, const AnchorId& own);
   void Forget(const DeviceId& device, const AnchorId& own);
   void Forget(const DeviceId& device, const std::string& owner);
+
+  /// To a device that speaks for itself and asked for an area. `Withdraw…` tells it that an anchor
+  /// is over; what is forgotten is no longer told to its late readers.
+  Result<void> SendInArea(const DeviceId& device, const AnchorState& state);
+  Result<void> SendInArea(const DeviceId& device, const AreaState& state);
+  void WithdrawInArea(const DeviceId& device, const AnchorId& anchor);
+  void ForgetInArea(const DeviceId& device, const AnchorId& anchor);
+  void ForgetArea(const DeviceId& device);
+
   /// False: the device is not there, or a gateway hears its poses for it.
   bool HearsPoses(const DeviceId& device) const;
   /// To the gateway named in the message.

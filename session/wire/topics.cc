@@ -74,6 +74,20 @@ Topic TopicOf<OwnerState>() {
           History::kForLateJoiners, 1};
 }
 template <>
+Topic TopicOf<AreaReport>() {
+  return {"waymark/1/area_report", &waymark_AreaReport_desc, Delivery::kReliable, History::kNone,
+          1};
+}
+template <>
+Topic TopicOf<AreaState>() {
+  return {"waymark/1/area_state", &waymark_AreaState_desc, Delivery::kReliable,
+          History::kForLateJoiners, 1};
+}
+Topic AreaAnchorTopic() {
+  return {"waymark/1/area_anchor", &waymark_AnchorState_desc, Delivery::kReliable,
+          History::kForLateJoiners, 1};
+}
+template <>
 Topic TopicOf<MapState>() {
   return {"waymark/1/map_state", &waymark_MapState_desc, Delivery::kReliable,
           History::kForLateJoiners, 1};

@@ -15,8 +15,8 @@ struct Farewell {
 };
 
 /// Anything a device may say.
-using Upward =
-    std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing, RoomCommand>;
+using Upward = std::variant<Hello, Farewell, PoseReport, LocaliseQuery, AnchorCommand, ClockPing,
+                            RoomCommand, AreaReport>;
 
 /// Another device left, or was lost.
 struct DeviceGone {
@@ -29,7 +29,8 @@ struct AnchorGone {
 };
 
 /// Anything the server may say.
-using Downward = std::variant<Welcome, Presence, DeviceGone, PoseBatch, LocaliseAnswer, AnchorState,
-                              AnchorGone, CommandReply, RoomState, MapState, ClockPong, OwnerState>;
+using Downward =
+    std::variant<Welcome, Presence, DeviceGone, PoseBatch, LocaliseAnswer, AnchorState, AnchorGone,
+                 CommandReply, RoomState, MapState, ClockPong, OwnerState, AreaState>;
 
 }  // namespace waymark::session::wire

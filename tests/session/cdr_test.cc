@@ -62,6 +62,16 @@ TEST(Cdr, WritesWhatCycloneWrites) {
   ExpectSameBytes(batch, waymark_PoseBatch_desc);
   ExpectSameBytes(ClockPong{.device = kDevice}, waymark_ClockPong_desc);
   ExpectSameBytes(RoomState{.room = RoomId("square")}, waymark_RoomState_desc);
+  ExpectSameBytes(
+      AreaReport{.ticket = Ticket{7}, .number = 3, .area = {{1.5, -2}, 90}, .is_anew = true},
+      waymark_AreaReport_desc);
+  ExpectSameBytes(AreaState{.device = kDevice,
+                            .run = RunId{3},
+                            .number = 4,
+                            .area = {{1, 2}, 3},
+                            .anchor_count = 5,
+                            .anchor_digest = 6},
+                  waymark_AreaState_desc);
   ExpectSameBytes(OwnerState{.owner = "@0", .run = RunId{3}, .anchor_count = 2},
                   waymark_OwnerState_desc);
 }

@@ -101,6 +101,39 @@ TEST(Wire, LocalisationComesBack) {
   EXPECT_THAT(Return(answer), IsRefused());
 }
 
+TEST(Wire, AreasComeBack) {
+  const AreaReport report{
+      .ticket = Ticket{7}, .number = 3, .area = {{1.5, -2}, 90}, .is_anew = true};
+  const auto asked = Return(report);
+  ASSERT_TRUE(asked.ok());
+  EXPECT_EQ(asked->ticket, report.ticket);
+  EXPECT_EQ(asked->number, 3u);
+  EXPECT_EQ(asked->area.centre_m, report.area.centre_m);
+  EXPECT_EQ(asked->area.radius_m, 90);
+  EXPECT_TRUE(asked->is_anew);
+  AreaReport hostile = report;
+  hostile.area.centre_m.x() = NAN;
+  EXPECT_THAT(Return(hostile), IsRefused());
+  hostile = report;
+  hostile.area.radius_m = kMaxAreaRadius_m + 1;
+  EXPECT_THAT(Return(hostile), IsRefused());
+
+  const AreaState state{.device = kDevice,
+                        .run = RunId{2},
+                        .number = 4,
+                        .area = {{1, 2}, 3},
+                        .anchor_count = 5,
+                        .anchor_digest = 6};
+  const auto told = Return(state);
+  ASSERT_TRUE(told.ok());
+  EXPECT_EQ(told->device, kDevice);
+  EXPECT_EQ(told->run, RunId{2});
+  EXPECT_EQ(told->number, 4u);
+  EXPECT_EQ(told->area.centre_m, state.area.centre_m);
+  EXPECT_EQ(told->anchor_count, 5u);
+  EXPECT_EQ(told->anchor_digest, 6u);
+}
+
 TEST(Wire, AnchorsComeBack) {
   RandomGeometry random(5);
   const AnchorCommand command = MakeCommand(random);

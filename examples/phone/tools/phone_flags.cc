@@ -29,6 +29,10 @@ void AddJoining(CLI::App& app, session::DeviceOptions& device) {
   app.add_option("--owner-secret", device.owner_secret,
                  "what all phones of one owner know: anchors of one belong to all")
       ->envname("WAYMARK_OWNER_SECRET");
+  app.add_option("--anchor-radius", device.anchor_radius_m,
+                 "anchors so near are told, metres; 0: all of the room")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 2000.0));
   app.add_option("--name", device.name, "name shown to others")->capture_default_str();
 }
 

@@ -5,6 +5,7 @@
 
 #include "session/device/c/held.h"
 #include "session/device/clock_estimator.h"
+#include "session/state/anchors.h"
 
 namespace waymark::session::c {
 namespace {
@@ -63,6 +64,8 @@ constexpr std::array kNumbers{
     NumberOption{
         "tile_patience_s", 0, 3600, false,
         [](auto& options, double n) { options.tile_patience = std::chrono::duration<double>(n); }},
+    NumberOption{"anchor_radius_m", 0, kMaxAreaRadius_m, false,
+                 [](auto& options, double n) { options.anchor_radius_m = n; }},
     NumberOption{"stamps_are_steady", 0, 1, true,
                  [](auto& options, double n) {
                    options.clock = n == 1 ? SteadyNow : std::function<DeviceTime()>();

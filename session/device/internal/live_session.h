@@ -11,6 +11,7 @@
 #include "session/device/clock_estimator.h"
 #include "session/device/device_session.h"
 #include "session/device/image_sizer.h"
+#include "session/device/internal/area_desk.h"
 #include "session/device/internal/desks.h"
 #include "session/device/internal/tile_desk.h"
 #include "session/device/pose_tracker.h"
@@ -93,6 +94,7 @@ class LiveSession final : public DeviceSession {
   void On(const CommandReply& reply);
   void On(const RoomState& state) { view_.On(state); }
   void On(const OwnerState& state) { view_.On(state); }
+  void On(const AreaState& state);
   void On(const MapState& state);
   void On(const ClockPong& pong);
 
@@ -102,13 +104,15 @@ class LiveSession final : public DeviceSession {
   Result<void> Perform(RoomCommand command);
   /// Sends, repeats and waits; `about` names it in errors. `sent` counts.
   Result<CommandReply> Await(const Command& command, const std::string& about, int& sent);
-  std::size_t ExpectedBytes() const;            // with mutex_ held
-  SessionMap CurrentMap() const;                // with mutex_ held
-  bool IsTileCurrent() const;                   // with mutex_ held
-  Error NotIn() const;                          // with mutex_ held
-  DevicePose CurrentPose() const;               // with mutex_ held
-  ServerTime SessionNow() const;                // with mutex_ held
-  DeviceTime ToSteady(DeviceTime stamp) const;  // with mutex_ held
+  void SayArea(Instant now);                     // with mutex_ held
+  std::optional<Eigen::Vector2d> About() const;  // with mutex_ held
+  std::size_t ExpectedBytes() const;             // with mutex_ held
+  SessionMap CurrentMap() const;                 // with mutex_ held
+  bool IsTileCurrent() const;                    // with mutex_ held
+  Error NotIn() const;                           // with mutex_ held
+  DevicePose CurrentPose() const;                // with mutex_ held
+  ServerTime SessionNow() const;                 // with mutex_ held
+  DeviceTime ToSteady(DeviceTime stamp) const;   // with mutex_ held
   std::string ServerName() const;
 
   const DeviceOptions options_;
@@ -125,6 +129,8 @@ class LiveSession final : public DeviceSession {
   TileDesk tile_desk_;
   ImageSizer sizer_;
   CommandDesk commands_;
+  AreaDesk areas_;
+  std::optional<GeoPoint> about_;  // where it is, until it has a pose
   ClockEstimator session_clock_;
   StampClock stamp_clock_;
   PoseTracker tracker_;

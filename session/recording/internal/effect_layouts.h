@@ -109,4 +109,10 @@ void Visit(Archive& archive, effect::SendOwnChange& value) {
   archive(device, change, state);
 }
 
+template <typename Archive>
+void Visit(Archive& archive, effect::TellArea& value) {
+  auto& [device, anchors, over, leaving, state] = value;
+  archive(device, anchors, over, leaving, state);
+}
+
 }  // namespace waymark::session::recording::internal

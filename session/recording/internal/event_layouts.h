@@ -128,4 +128,10 @@ void Visit(Archive& archive, event::RoomCommandReceived& value) {
   archive(command);
 }
 
+template <typename Archive>
+void Visit(Archive& archive, event::AreaReceived& value) {
+  auto& [report] = value;
+  archive(report);
+}
+
 }  // namespace waymark::session::recording::internal

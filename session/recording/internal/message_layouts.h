@@ -69,8 +69,8 @@ inline Hello Blank(Here, std::type_identity<Hello>) {
 }
 template <typename Archive>
 void Visit(Archive& archive, Hello& value) {
-  auto& [device, protocol, attempt, room, name, token, owner_secret] = value;
-  archive(device, protocol, attempt, room, name);
+  auto& [device, protocol, attempt, room, name, token, owner_secret, scope] = value;
+  archive(device, protocol, attempt, room, name, scope);
   (void)token;  // a secret, as the next
   (void)owner_secret;
 }
@@ -146,6 +146,25 @@ template <typename Archive>
 void Visit(Archive& archive, OwnerState& value) {
   auto& [owner, run, count, digest] = value;
   archive(owner, run, count, digest);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, AnchorArea& value) {
+  auto& [centre_m, radius_m] = value;
+  archive(centre_m.x(), centre_m.y(), radius_m);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, AreaReport& value) {
+  auto& [ticket, number, area, is_anew] = value;
+  archive(ticket, number, area, is_anew);
+}
+
+inline AreaState Blank(Here, std::type_identity<AreaState>) { return {.device = DeviceId("")}; }
+template <typename Archive>
+void Visit(Archive& archive, AreaState& value) {
+  auto& [device, run, number, area, count, digest] = value;
+  archive(device, run, number, area, count, digest);
 }
 
 template <typename Archive>

@@ -48,6 +48,7 @@ class Server::Loop {
   void On(const GatewayReport& report, ServerTime arrived);
   void On(ClockPing ping, ServerTime arrived);
   void On(LocaliseQuery query, ServerTime arrived);
+  void On(AreaReport report, ServerTime) { Apply(event::AreaReceived{report}); }
   std::optional<ClockPong> AnswerTo(const ClockPing& ping, ServerTime arrived);
   void LookAtDoor();
   void GoOver(ServedRelease served);

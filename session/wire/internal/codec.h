@@ -36,6 +36,10 @@ waymark_RoomState Encode(const RoomState& state, Scratch& scratch);
 Result<RoomState> Decode(const waymark_RoomState& wire);
 waymark_OwnerState Encode(const OwnerState& state, Scratch& scratch);
 Result<OwnerState> Decode(const waymark_OwnerState& wire);
+waymark_AreaReport Encode(const AreaReport& report, Scratch& scratch);
+Result<AreaReport> Decode(const waymark_AreaReport& wire);
+waymark_AreaState Encode(const AreaState& state, Scratch& scratch);
+Result<AreaState> Decode(const waymark_AreaState& wire);
 
 /// Names an anchor that is over, in what only its key counts of; private: for its owner.
 waymark_AnchorState AnchorKey(const AnchorId& anchor, bool is_private);

@@ -32,7 +32,8 @@ template <>
 struct Layout<waymark_Hello> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
-    archive(m.device, m.protocol, m.attempt, m.room, m.name, m.token, m.owner_secret);
+    archive(m.device, m.protocol, m.attempt, m.room, m.name, m.token, m.owner_secret,
+            m.anchor_scope);
   }
 };
 
@@ -182,6 +183,22 @@ struct Layout<waymark_OwnerState> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
     archive(m.owner, m.run, m.anchor_count, m.anchor_digest);
+  }
+};
+
+template <>
+struct Layout<waymark_AreaReport> {
+  static constexpr bool kAppendable = true;
+  static void Visit(auto& archive, auto& m) {
+    archive(m.ticket, m.number, m.map_centre_m, m.radius_m, m.is_anew);
+  }
+};
+
+template <>
+struct Layout<waymark_AreaState> {
+  static constexpr bool kAppendable = true;
+  static void Visit(auto& archive, auto& m) {
+    archive(m.device, m.run, m.number, m.map_centre_m, m.radius_m, m.anchor_count, m.anchor_digest);
   }
 };
 

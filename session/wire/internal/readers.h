@@ -24,16 +24,22 @@ class Readers {
   }
   template <typename Message, typename Handler, typename OnEnd>
   Result<void> Listen(const std::string& partition, const Handler& handler, OnEnd on_end) {
+    return Listen<Message>(TopicOf<Message>(), partition, handler, std::move(on_end));
+  }
+  template <typename Message, typename Handler, typename OnEnd>
+  Result<void> Listen(const dds::Topic& topic, const std::string& partition, const Handler& handler,
+                      OnEnd on_end) {
     WAYMARK_TRY_ASSIGN(
         dds::Reader reader,
         MakeReader<Message>(
-            *participant_, partition, rejected_,
+            *participant_, topic, partition, rejected_,
             [handler](Message message) { handler(Downward(std::move(message))); }, on_end));
     readers_.push_back(std::move(reader));
     return {};
   }
 
-  /// What all of a room are told, but for poses. `on_lost` is called when the server is away.
+  /// What all of a room are told, but for poses and anchors. `on_lost` is called when the server is
+  /// away.
   template <typename Handler>
   Result<void> ListenToRoom(const RoomId& room, const Handler& handler,
                             const std::function<void()>& on_lost = nullptr) {
@@ -44,16 +50,25 @@ class Readers {
                                    if (arrival != dds::Arrival::kDisposed) return;
                                    handler(Downward(DeviceGone{GetId<DeviceId>(key.device)}));
                                  }));
-    WAYMARK_TRY(Listen<AnchorState>(
-        partition, handler, [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
-          if (arrival != dds::Arrival::kDisposed) return;
-          handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
-        }));
     WAYMARK_TRY(Listen<RoomState>(partition, handler,
                                   [on_lost](dds::Arrival arrival, const waymark_RoomState&) {
                                     if (arrival == dds::Arrival::kLost && on_lost) on_lost();
                                   }));
     return Listen<MapState>(partition, handler);
+  }
+
+  /// All anchors of a room that are for all.
+  template <typename Handler>
+  Result<void> ListenToAnchors(const RoomId& room, const Handler& handler) {
+    return ListenToAnchors(TopicOf<AnchorState>(), DownPartition(room), handler);
+  }
+
+  /// Those of a device's area alone, and how many they are.
+  template <typename Handler>
+  Result<void> ListenToArea(const RoomId& room, const DeviceId& device, const Handler& handler) {
+    const std::string partition = DevicePartition(room, device);
+    WAYMARK_TRY(ListenToAnchors(AreaAnchorTopic(), partition, handler));
+    return Listen<AreaState>(partition, handler);
   }
 
   /// What a device alone is told, but for poses and pongs; its owner's private anchors too.
@@ -77,6 +92,16 @@ class Readers {
   }
 
  private:
+  template <typename Handler>
+  Result<void> ListenToAnchors(const dds::Topic& topic, const std::string& partition,
+                               const Handler& handler) {
+    return Listen<AnchorState>(topic, partition, handler,
+                               [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
+                                 if (arrival != dds::Arrival::kDisposed) return;
+                                 handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
+                               });
+  }
+
   static bool IsOwn(const Downward& message) {
     const auto* state = std::get_if<AnchorState>(&message);
     return state != nullptr &&

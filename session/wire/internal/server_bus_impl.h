@@ -32,6 +32,12 @@ struct GatewayWriters {
   int devices = 0;  // that are open
 };
 
+/// To a device that asked for the anchors of an area.
+struct AreaWriters {
+  dds::Writer anchors;
+  dds::Writer state;
+};
+
 struct DeviceWriters {
   dds::Writer welcome;
   dds::Writer answers;
@@ -40,6 +46,8 @@ struct DeviceWriters {
   dds::Writer own_states;
   dds::Writer pongs;
   dds::Writer poses;
+  std::string partition;
+  std::optional<AreaWriters> area = std::nullopt;  // once it has asked
 };
 
 /// How a device speaks to the server.
@@ -117,6 +125,13 @@ struct ServerBus::Impl {
   /// again.
   void Remember(const DeviceId& device, Way way);
   std::optional<Way> FindWay(const DeviceId& device);
+
+  /// Of a device that speaks for itself. Errors: NotFound, those of Writer::Create.
+  Result<AreaWriters*> OpenArea(const DeviceId& device);
+  AreaWriters* FindArea(const DeviceId& device) {
+    const auto found = devices.find(device);
+    return found == devices.end() || !found->second.area ? nullptr : &*found->second.area;
+  }
 
   bool IsOpen(const DeviceId& device) const {
     return devices.contains(device) || phones.contains(device);

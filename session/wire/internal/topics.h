@@ -13,6 +13,8 @@ namespace waymark::session::wire {
 
 template <typename Message>
 dds::Topic TopicOf();
+/// Anchors of a device's area, which it alone is told.
+dds::Topic AreaAnchorTopic();
 
 // One prefix per room, so that a permission can be given for a room.
 // A device writes where no other may, so that where a Hello comes from says whose it is.
@@ -50,10 +52,9 @@ Result<void> Write(dds::Writer& writer, const Message& message) {
 /// Hands decoded messages to `on_message` and ended instances to `on_end` (with how they ended and
 /// the key in the generated type). What does not decode is counted and goes no further.
 template <typename Message, typename OnMessage, typename OnEnd>
-Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string& partition,
-                               std::atomic<std::uint64_t>& rejected, OnMessage on_message,
-                               OnEnd on_end) {
-  const dds::Topic topic = TopicOf<Message>();
+Result<dds::Reader> MakeReader(dds::Participant& participant, const dds::Topic& topic,
+                               const std::string& partition, std::atomic<std::uint64_t>& rejected,
+                               OnMessage on_message, OnEnd on_end) {
   return dds::Reader::Create(
       participant, topic, partition,
       [&rejected, name = topic.name, on_message = std::move(on_message),
@@ -70,8 +71,8 @@ Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string&
 template <typename Message, typename OnMessage>
 Result<dds::Reader> MakeReader(dds::Participant& participant, const std::string& partition,
                                std::atomic<std::uint64_t>& rejected, OnMessage on_message) {
-  return MakeReader<Message>(participant, partition, rejected, std::move(on_message),
-                             [](dds::Arrival, const WireOf<Message>&) {});
+  return MakeReader<Message>(participant, TopicOf<Message>(), partition, rejected,
+                             std::move(on_message), [](dds::Arrival, const WireOf<Message>&) {});
 }
 
 }  // namespace waymark::session::wire

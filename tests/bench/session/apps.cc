@@ -36,15 +36,17 @@ int Placed(const DeviceSession& session) {
 
 }  // namespace
 
-Result<AppTimes> MeasureApps(const std::string& server, int domain, const std::string& room,
-                             int others, int joins, int anchors) {
+Result<AppTimes> MeasureApps(const AppOptions& wanted) {
   AppTimes times;
-  const DeviceOptions options{.server = server,
-                              .dds_domain = domain,
-                              .room = RoomId(room),
+  const int others = wanted.others;
+  const DeviceOptions options{.server = wanted.server,
+                              .dds_domain = wanted.domain,
+                              .room = RoomId(wanted.room),
                               .name = "app",
+                              .anchor_radius_m = wanted.anchor_radius_m,
+                              .about = support::MapOrigin(),
                               .keyframe_interval = std::chrono::duration<double>(0.02)};
-  for (int i = 0; i < joins; ++i) {
+  for (int i = 0; i < wanted.joins; ++i) {
     const auto begin = Clock::now();
     WAYMARK_TRY_ASSIGN(const auto late, DeviceSession::Join(options));
     if (!Await([&] { return late->HasSnapshot() && Placed(*late) >= others; })) {
@@ -52,13 +54,14 @@ Result<AppTimes> MeasureApps(const std::string& server, int domain, const std::s
                        Placed(*late), others, late->HasSnapshot());
     }
     times.joins_ms.push_back(MsSince(begin));
+    times.anchors_held = late->Anchors().size();
   }
   WAYMARK_TRY_ASSIGN(const auto placing, DeviceSession::Join(options));
   WAYMARK_TRY_ASSIGN(const auto watching, DeviceSession::Join(options));
   support::StandingPhone phone(*placing, {3, 4, 1});
   if (!phone.Localise())
     return MakeError(ErrorCode::kTimeout, "the placing phone is not localised");
-  for (int i = 0; i < anchors; ++i) {
+  for (int i = 0; i < wanted.anchors; ++i) {
     phone.Live();
     WAYMARK_TRY_ASSIGN(
         const SharedAnchor placed,

@@ -57,7 +57,8 @@ Result<std::unique_ptr<Crowd>> Crowd::Connect(std::uint16_t gateway_port, const 
                                static_cast<std::uint64_t>(i / groups), options.edge_m),
               .hello = {.device = DeviceId(FormatUuid(UuidFromBits(kSeed, number))),
                         .room = RoomId(fmt::format("room{}", number / options.per_room)),
-                        .name = fmt::format("phone {}", i)}}));
+                        .name = fmt::format("phone {}", i),
+                        .anchor_scope = AnchorScope::kArea}}));
     epoll_event event{.events = EPOLLIN, .data = {.ptr = crowd->phones_.back().get()}};
     ::epoll_ctl(crowd->poll_, EPOLL_CTL_ADD, crowd->phones_.back()->socket.descriptor(), &event);
   }

@@ -90,7 +90,9 @@ Result<Row> MeasureBus(int phones, const Flags& flags) {
 Result<void> MeasureAppTimes(const Flags& flags) {
   constexpr int kOthers = 100;
   for (const bool is_direct : {false, true}) {
-    WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
+    WAYMARK_TRY_ASSIGN(const Child server,
+                       Child::Start({"server", fmt::format("--anchors={}", flags.city_anchors),
+                                     fmt::format("--city={}", flags.city_m)}));
     WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
     WAYMARK_TRY_ASSIGN(
         const auto crowd,
@@ -100,19 +102,24 @@ Result<void> MeasureAppTimes(const Flags& flags) {
     std::thread walking([&] {
       while (!is_over) (void)crowd->Walk(0.1);
     });
-    const auto times =
-        MeasureApps(is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
-                    std::stoi(server.line()), "room0", kOthers, flags.joins, flags.anchors);
+    const auto times = MeasureApps(
+        {.server = is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
+         .domain = std::stoi(server.line()),
+         .room = "room0",
+         .others = kOthers,
+         .joins = flags.joins,
+         .anchors = flags.anchors,
+         .anchor_radius_m = flags.anchor_radius_m});
     is_over = true;
     walking.join();
     if (!times) return times.error();
     fmt::print(
-        "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times); acknowledged "
-        "anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
+        "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times), with {} of {} "
+        "anchors; acknowledged anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
         is_direct ? "on the bus" : "through a gateway", kOthers,
         Quantile(times->joins_ms, 0.5, NAN), Quantile(times->joins_ms, 0.99, NAN), flags.joins,
-        Quantile(times->anchors_ms, 0.5, NAN), Quantile(times->anchors_ms, 0.99, NAN),
-        flags.anchors);
+        times->anchors_held, flags.city_anchors, Quantile(times->anchors_ms, 0.5, NAN),
+        Quantile(times->anchors_ms, 0.99, NAN), flags.anchors);
   }
   return {};
 }

@@ -21,6 +21,8 @@ struct Flags {
   int churn_phones = 100;
   int joins = 20;
   int anchors = 200;
+  int city_anchors = 100'000;
+  double anchor_radius_m = 100;
   bool is_tls = false;
   std::string recordings;
   std::string csv, plot;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <random>
 #include <thread>
 
 #include "mapping/base/process.h"
@@ -24,13 +25,31 @@ int StayUntilTold() {
   while (true) ::pause();
 }
 
+void Place(const CityAnchors& anchors, content::AnchorStore& store) {
+  constexpr std::size_t kPayloadBytes = 100;
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> along(-anchors.edge_m / 2, anchors.edge_m / 2);
+  for (int i = 0; i < anchors.count; ++i) {
+    const double x = along(random), y = along(random);
+    const auto id = session::UuidFromBits(0xc17, static_cast<std::uint64_t>(i));
+    content::AnchorRecord record{.id = AnchorId(session::FormatUuid(id)), .room = RoomId("room0")};
+    record.owner = "city";
+    record.map_from_anchor = {Eigen::Quaterniond::Identity(), {x, y, 1}};
+    record.attachments = {{session::support::kSubmap, {Eigen::Quaterniond::Identity(), {x, y, 0}}}};
+    record.kind = "note";
+    record.payload = std::string(kPayloadBytes, 'x');
+    CHECK(store.Create(record).ok());
+  }
+}
+
 }  // namespace
 
-int RunServer(const std::string& recording) {
+int RunServer(const std::string& recording, const CityAnchors& anchors) {
   session::ServerOptions options{.dds_domain = -1, .recording_file = recording};
   const auto server = session::support::StartOnFreeDomain(options, [&] {
-    return session::support::MakeParts(session::support::MakeRelease(),
-                                       std::make_unique<waymark::support::MemoryAnchorStore>());
+    auto store = std::make_unique<waymark::support::MemoryAnchorStore>();
+    Place(anchors, *store);
+    return session::support::MakeParts(session::support::MakeRelease(), std::move(store));
   });
   if (!server) return 1;
   fmt::print("{}\n", options.dds_domain);

@@ -100,6 +100,12 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", flags.seconds, "of each measurement")->capture_default_str();
   app.add_option("--hz", flags.hz, "pose reports of a phone")->capture_default_str();
   app.add_option("--joins", flags.joins, "late joins of layout apps")->capture_default_str();
+  app.add_option("--city-anchors", flags.city_anchors,
+                 "anchors that the room of layout apps holds, over the city")
+      ->capture_default_str();
+  app.add_option("--anchor-radius", flags.anchor_radius_m,
+                 "metres around it in which an app of layout apps wants to know of anchors")
+      ->capture_default_str();
   app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")
       ->capture_default_str();
   app.add_option("--churn-phones", flags.churn_phones, "phones at once of layout churn")
@@ -114,7 +120,9 @@ int main(int argc, char** argv) {
   std::string recording;
   CLI::App* const server = app.add_subcommand("server", "")->group("");
   server->add_option("--record", recording);
-  server->callback([&] { outcome = RunServer(recording); });
+  server->add_option("--anchors", count);
+  server->add_option("--city", flags.city_m);
+  server->callback([&] { outcome = RunServer(recording, {count, flags.city_m}); });
   CLI::App* const gateway = app.add_subcommand("gateway", "")->group("");
   gateway->add_option("DOMAIN", domain)->required();
   gateway->add_flag("--tls", flags.is_tls);
