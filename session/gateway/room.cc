@@ -108,44 +108,6 @@ void Room::On(const wire::DeviceGone& gone, const wire::SharedFrame&) {
   presences_.erase(gone.device);
 }
 
-void Room::On(const AnchorState& state, const wire::SharedFrame& frame) {
-  anchors_.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
-  TellOfAnchor(anchor_relay_.Put(state), frame);
-}
-
-void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
-  anchors_.erase(gone.anchor);
-  TellOfAnchor(anchor_relay_.Remove(gone.anchor), frame);
-}
-
-/// Who hears of it; nobody does without a frame.
-void Room::TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFrame& frame) {
-  for (const auto& [phone, pose_listener] : phones_) {
-    if (frame && !by_area_.contains(phone)) phone->Tell(frame, std::nullopt);
-  }
-  for (auto& [phone, listener] : by_area_) {
-    if (listener.Concerns(change) && frame) phone->Tell(frame, std::nullopt);
-  }
-}
-
-void Room::TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener) {
-  const auto state = listener.TakeState(anchor_relay_);
-  if (!state) return;
-  const wire::Downward message(*state);
-  phone->Tell(wire::Share(wire::EncodeFrame(message)), wire::SlotOf(message));
-}
-
-void Room::SetArea(const PhonePtr& phone, const AreaReport& report) {
-  const std::lock_guard lock(mutex_);
-  if (phone->anchor_scope() != AnchorScope::kArea) return;
-  AnchorRelay::Listener& listener =
-      by_area_.try_emplace(phone, AnchorRelay::Listener(*phone->device())).first->second;
-  for (const AnchorId& anchor : anchor_relay_.Listen(listener, report).coming) {
-    phone->Tell(anchors_.at(anchor).frame, std::nullopt);
-  }
-  TellAreaState(phone, listener);
-}
-
 void Room::On(const MapState& state, const wire::SharedFrame& frame) { map_ = {state.run, frame}; }
 
 // With another run of the server, what was said in an earlier one no longer holds.
@@ -174,50 +136,6 @@ void Room::ForgetWords() {
   for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
   own_.clear();
   state_ = map_ = {};
-}
-
-// ---- what an owner alone may see --------------------------------------------------------------
-
-bool Room::HearOwn(const wire::Downward& message, const wire::SharedFrame& frame) {
-  if (const auto* const state = std::get_if<AnchorState>(&message)) {
-    if (state->anchor.record.visibility != content::AnchorVisibility::kPrivate) return false;
-    OnOwn(*state, frame);
-  } else if (const auto* const gone = std::get_if<wire::AnchorGone>(&message)) {
-    if (!gone->is_own) return false;
-    OnOwn(*gone, frame);
-  } else if (const auto* const of_owner = std::get_if<OwnerState>(&message)) {
-    OnOwn(*of_owner, frame);
-  } else {
-    return false;
-  }
-  return true;
-}
-
-void Room::OnOwn(const AnchorState& state, const wire::SharedFrame& frame) {
-  const std::string& owner = state.anchor.record.owner;
-  if (!by_owner_.contains(owner)) return;  // its phones are at other gateways
-  own_[owner].anchors.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
-  TellOwner(owner, frame);
-}
-
-void Room::OnOwn(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
-  for (auto& [owner, words] : own_) {
-    if (words.anchors.erase(gone.anchor) > 0) TellOwner(owner, frame);
-  }
-}
-
-void Room::OnOwn(const OwnerState& state, const wire::SharedFrame& frame) {
-  if (!by_owner_.contains(state.owner)) return;
-  own_[state.owner].state = {state.run, frame};
-  TellOwner(state.owner, frame);
-}
-
-// Only those whom the server has let in: others may say what they like of themselves.
-void Room::TellOwner(const std::string& owner, const wire::SharedFrame& frame) {
-  const auto [begin, end] = by_owner_.equal_range(owner);
-  for (auto entry = begin; entry != end; ++entry) {
-    if (phones_.contains(entry->second)) entry->second->Tell(frame, std::nullopt);
-  }
 }
 
 // ---- poses ------------------------------------------------------------------------------------

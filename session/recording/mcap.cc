@@ -1,48 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/recording/mcap.h"
 
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
+
+#include "session/recording/internal/mcap_file.h"
 
 namespace waymark::session::recording {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::string_view kMagic("\x89MCAP0\r\n", 8);
-enum Kind : std::uint8_t {
-  kHeader = 1,
-  kFooter = 2,
-  kSchema = 3,
-  kChannel = 4,
-  kMessage = 5,
-  kDataEnd = 15,
-};
-constexpr std::uint16_t kPoses = 1, kScene = 2;  // schemas
-
-/// A record's fields, little-endian.
-class Fields {
- public:
-  template <typename T>
-  Fields& Add(T number) {
-    bytes_.append(reinterpret_cast<const char*>(&number), sizeof number);
-    return *this;
-  }
-  Fields& AddText(std::string_view text) {
-    Add(static_cast<std::uint32_t>(text.size()));
-    bytes_.append(text);
-    return *this;
-  }
-  Fields& AddRest(std::string_view bytes) {
-    bytes_.append(bytes);
-    return *this;
-  }
-  const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
 
 template <typename To, typename From>
 Json PoseJson(const Transform<To, From>& pose) {
@@ -77,6 +44,9 @@ Json EntityJson(const RoomAnchor& anchor, std::int64_t ns) {
                                       {"color", {{"r", 1}, {"g", 0.6}, {"b", blue}, {"a", 1}}}}})}};
 }
 
+constexpr const char* kPosesSchema = "foxglove.PosesInFrame";
+constexpr const char* kSceneSchema = "foxglove.SceneUpdate";
+
 std::string SchemaText(const char* title, const char* items) {
   return Dump({{"title", title},
                {"type", "object"},
@@ -85,54 +55,31 @@ std::string SchemaText(const char* title, const char* items) {
 
 }  // namespace
 
+McapWriter::McapWriter(std::unique_ptr<internal::McapFile> file, std::int64_t start_ns)
+    : file_(std::move(file)),
+      start_ns_(start_ns),
+      poses_(file_->AddSchema(kPosesSchema, SchemaText(kPosesSchema, "poses"))),
+      scene_(file_->AddSchema(kSceneSchema, SchemaText(kSceneSchema, "entities"))) {}
+
+McapWriter::McapWriter(McapWriter&&) noexcept = default;
+McapWriter& McapWriter::operator=(McapWriter&&) noexcept = default;
+McapWriter::~McapWriter() = default;
+
 Result<McapWriter> McapWriter::Create(const std::filesystem::path& path,
                                       const RecordingHeader& header) {
-  std::FILE* const file = std::fopen(path.c_str(), "wb");
-  if (file == nullptr) {
-    return MakeError(ErrorCode::kUnavailable, "{}: {}", path.string(), std::strerror(errno));
-  }
-  McapWriter writer(path, file, header.started_utc_ms * 1'000'000);
-  (void)std::fwrite(kMagic.data(), 1, kMagic.size(), file);
-  writer.Put(kHeader, Fields().AddText("").AddText("waymark-replay").bytes());
-  const auto add_schema = [&](std::uint16_t number, const char* name, const char* items) {
-    writer.Put(kSchema, Fields()
-                            .Add(number)
-                            .AddText(name)
-                            .AddText("jsonschema")
-                            .AddText(SchemaText(name, items))
-                            .bytes());
-  };
-  add_schema(kPoses, "foxglove.PosesInFrame", "poses");
-  add_schema(kScene, "foxglove.SceneUpdate", "entities");
-  return writer;
-}
-
-void McapWriter::Put(std::uint8_t kind, std::string_view content) {
-  const std::string head = Fields().Add(kind).Add(std::uint64_t{content.size()}).bytes();
-  (void)std::fwrite(head.data(), 1, head.size(), file_.get());
-  (void)std::fwrite(content.data(), 1, content.size(), file_.get());
-}
-
-std::uint16_t McapWriter::ChannelOf(const std::string& topic, std::uint16_t schema) {
-  const auto [channel, is_new] =
-      channels_.try_emplace(topic, static_cast<std::uint16_t>(channels_.size() + 1));
-  if (is_new) {
-    Put(kChannel, Fields()
-                      .Add(channel->second)
-                      .Add(schema)
-                      .AddText(topic)
-                      .AddText("json")
-                      .Add(std::uint32_t{0})  // no metadata
-                      .bytes());
-  }
-  return channel->second;
+  WAYMARK_TRY_ASSIGN(internal::McapFile file, internal::McapFile::Create(path, "waymark-replay"));
+  return McapWriter(std::make_unique<internal::McapFile>(std::move(file)),
+                    header.started_utc_ms * 1'000'000);
 }
 
 void McapWriter::AddTo(const std::string& topic, std::uint16_t schema, ServerTime time,
                        const std::string& json) {
-  const std::uint16_t channel = ChannelOf(topic, schema);
+  auto channel = channels_.find(topic);
+  if (channel == channels_.end()) {
+    channel = channels_.emplace(topic, file_->AddChannel(topic, schema)).first;
+  }
   const auto ns = static_cast<std::uint64_t>(start_ns_ + (time - *began_).count());
-  Put(kMessage, Fields().Add(channel).Add(sequence_++).Add(ns).Add(ns).AddRest(json).bytes());
+  file_->AddMessage(channel->second, ns, json);
 }
 
 void McapWriter::Add(const RecordedEvent& event, std::span<const Effect> effects) {
@@ -147,13 +94,13 @@ void McapWriter::Add(const RecordedEvent& event, std::span<const Effect> effects
       for (const SharedPose& shared : poses->poses) {
         json["poses"].push_back(PoseJson(shared.pose.map_from_device));
       }
-      AddTo(topic(poses->room, "poses"), kPoses, event.time, Dump(json));
+      AddTo(topic(poses->room, "poses"), poses_, event.time, Dump(json));
     } else if (const auto* shown = std::get_if<effect::PublishAnchor>(&effect)) {
-      AddTo(topic(shown->room, "anchors"), kScene, event.time,
+      AddTo(topic(shown->room, "anchors"), scene_, event.time,
             Dump({{"deletions", Json::array()},
                   {"entities", Json::array({EntityJson(shown->state.anchor, ns)})}}));
     } else if (const auto* gone = std::get_if<effect::WithdrawAnchor>(&effect)) {
-      AddTo(topic(gone->room, "anchors"), kScene, event.time,
+      AddTo(topic(gone->room, "anchors"), scene_, event.time,
             Dump({{"deletions",
                    Json::array({Json{
                        {"timestamp", TimeJson(ns)}, {"type", 0}, {"id", gone->anchor.text()}}})},
@@ -162,14 +109,6 @@ void McapWriter::Add(const RecordedEvent& event, std::span<const Effect> effects
   }
 }
 
-Result<void> McapWriter::Finish() {
-  Put(kDataEnd, Fields().Add(std::uint32_t{0}).bytes());  // no checksum
-  Put(kFooter, Fields().Add(std::uint64_t{0}).Add(std::uint64_t{0}).Add(std::uint32_t{0}).bytes());
-  (void)std::fwrite(kMagic.data(), 1, kMagic.size(), file_.get());
-  const bool is_written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
-  if (is_written) return {};
-  return MakeError(ErrorCode::kUnavailable, "{}: could not be written: {}", path_.string(),
-                   std::strerror(errno));
-}
+Result<void> McapWriter::Finish() { return file_->Finish(); }
 
 }  // namespace waymark::session::recording

@@ -111,6 +111,18 @@ TEST_F(AnchorAreas, ARoomThatHoldsTooManyIsJoinedWithAnArea) {
   EXPECT_TRUE(Knows(*anna, {near_->id}));
 }
 
+TEST_F(AnchorAreas, LossesOnlyDelay) {
+  options_.transmit_loss_per_mille = device_loss_per_mille_ = 150;
+  StartWithTwoAnchors();
+  const auto anna = Join(Near("Anna"));
+  StandingPhone phone(*anna, here_);
+  ASSERT_TRUE(phone.Localise());
+  EXPECT_TRUE(Knows(*anna, {near_->id}, &phone));
+  std::vector<AnchorId> near{near_->id};
+  for (int i = 0; i < 10; ++i) near.push_back(PlaceAt(here_).id);
+  EXPECT_TRUE(Knows(*anna, near, &phone));
+}
+
 TEST_F(AnchorAreas, SurviveAServerThatIsRestarted) {
   StartWithTwoAnchors();
   const auto anna = Join(Near("Anna"));

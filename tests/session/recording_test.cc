@@ -3,6 +3,7 @@
 #include "session/recording/recorder.h"
 
 #include <sys/resource.h>
+#include <zstd.h>
 
 #include <csignal>
 #include <fstream>
@@ -190,6 +191,19 @@ TEST_F(Recording, AFullDiskEndsTheRecordingAndNothingElse) {
   EXPECT_GT(report->cut_off, 0u);
 }
 
+constexpr int kChunk = 6;
+
+/// What its Zstandard frame holds.
+std::string ContentOfChunk(const std::string& chunk) {
+  std::uint64_t size = 0;
+  std::memcpy(&size, chunk.data() + 16, sizeof size);
+  constexpr std::size_t kHead = 8 + 8 + 8 + 4 + 4 + 4 + 8;
+  std::string content(size, '\0');
+  EXPECT_EQ(::ZSTD_decompress(content.data(), size, chunk.data() + kHead, chunk.size() - kHead),
+            size);
+  return content;
+}
+
 TEST_F(Recording, McapHoldsWhatWasShown) {
   RecordAnEvening();
   recorder_.reset();
@@ -203,29 +217,39 @@ TEST_F(Recording, McapHoldsWhatWasShown) {
         mcap->Add(event, effects);
       });
   ASSERT_TRUE(report.ok() && mcap->Finish().ok());
-  // Read back, record by record, as the format's specification has it.
+  // Read back, record by record, as the format's specification has it, and as a player does that
+  // seeks: from the end.
   const auto bytes = *LoadFile(path);
   const std::string text(bytes.begin(), bytes.end());
   const std::string magic("\x89MCAP0\r\n", 8);
   ASSERT_TRUE(text.starts_with(magic) && text.ends_with(magic));
   std::map<int, int> kinds;
+  std::string content;
   std::size_t at = 8;
   while (at < text.size() - 8) {
     const int kind = text[at];
     std::uint64_t size = 0;
     std::memcpy(&size, text.data() + at + 1, sizeof size);
-    at += 9 + size;
-    ASSERT_LE(at, text.size() - 8);
+    ASSERT_LE(at + 9 + size, text.size() - 8);
     ++kinds[kind];
+    if (kind == kChunk) content += ContentOfChunk(text.substr(at + 9, size));
+    at += 9 + size;
   }
   EXPECT_EQ(at, text.size() - 8);
-  EXPECT_EQ(kinds[3], 2) << "schemas";
-  EXPECT_EQ(kinds[4], 2) << "channels";
-  EXPECT_GT(kinds[5], 20) << "messages";
+  EXPECT_EQ(kinds[3], 4) << "schemas, once more in the summary";
+  EXPECT_EQ(kinds[4], 2) << "channels of the summary";
+  EXPECT_EQ(kinds[6], 1) << "chunks";
+  EXPECT_EQ(kinds[7], 2) << "an index of each channel's messages";
+  EXPECT_EQ(kinds[8], 1) << "an index of the chunk";
+  EXPECT_EQ(kinds[11], 1) << "statistics";
   EXPECT_EQ(kinds[15], 1);
   EXPECT_EQ(kinds[2], 1);
-  EXPECT_THAT(text, HasSubstr("/rooms/square/poses"));
+  EXPECT_THAT(content, HasSubstr("/rooms/square/poses"));
+  EXPECT_THAT(content, HasSubstr("\"entities\":[{"));
   EXPECT_THAT(text, HasSubstr("foxglove.SceneUpdate"));
+  std::uint64_t summary = 0;
+  std::memcpy(&summary, text.data() + text.size() - 8 - 20, sizeof summary);
+  EXPECT_EQ(text[summary], 3) << "the footer says where the summary begins";
 }
 
 // ---- live -------------------------------------------------------------------------------------
