@@ -6,6 +6,7 @@
 #include "content_store/store_admin.h"
 #include "content_store/store_check.h"
 #include "tests/content_store/anchor_fixtures.h"
+#include "tests/content_store/killed_compaction.h"
 
 namespace waymark::content {
 namespace {
@@ -98,6 +99,11 @@ TEST_F(Compaction, APageOfAnOlderPictureIsRefused) {
   ASSERT_FALSE(next);
   EXPECT_EQ(next.error().code, ErrorCode::kConflict);
   EXPECT_THAT(next.error().message, HasSubstr("begin again"));
+}
+
+TEST(KilledCompaction, LosesNothing) {
+  const TemporaryFolder folder;
+  KillCompactions((folder.path() / "anchors.db").string(), 6);
 }
 
 TEST_F(Compaction, CheckMissesNoStateThatIsGone) {

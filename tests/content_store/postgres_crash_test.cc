@@ -8,7 +8,8 @@
 #include <thread>
 
 #include "content_store/store_check.h"
-#include "tests/content_store/acknowledged.h"
+#include "tests/content_store/killed_compaction.h"
+#include "tests/content_store/killed_writer.h"
 #include "tests/content_store/postgres_server.h"
 
 namespace waymark::content {
@@ -90,6 +91,25 @@ TEST_F(PostgresCrash, LeavesEveryAcknowledgedWriteAndTheStoreGoesOnByItself) {
       restarts, acknowledged_.size(), acknowledged_.lost(), acknowledged_.torn(),
       acknowledged_.seen() - acknowledged_.size());
 }
+
+TEST_F(PostgresCrash, AKilledWriterLeavesEveryAcknowledgedWriteAndNothingTorn) {
+  const auto open = [&] {
+    return OpenPostgresStore(server_->Uri(), {.limits = StoreLimits::None()});
+  };
+  const int kills = KillWriters(open, 10, acknowledged_);
+  // The last one's server process may still be at its last write: another one waits for its end.
+  Applied(store_->Create(Version(999'999'999, 0)));
+  acknowledged_.CompareWith(*store_);
+  const auto check = CheckStore(server_->Uri());
+  ASSERT_TRUE(check) << ToString(check.error());
+  EXPECT_THAT(check->problems, IsEmpty());
+  EXPECT_EQ(check->revision, acknowledged_.seen());
+  fmt::print("{} kills, {} acknowledged writes: {} lost, {} torn; {} more had committed unheard\n",
+             kills, acknowledged_.size(), acknowledged_.lost(), acknowledged_.torn(),
+             acknowledged_.seen() - acknowledged_.size() - 1);
+}
+
+TEST_F(PostgresCrash, AKilledCompactionLosesNothing) { KillCompactions(server_->Uri(), 6); }
 
 TEST_F(PostgresCrash, DamageIsFoundAndNotServed) {
   for (std::uint64_t n = 0; n < 5; ++n) Applied(store_->Create(MakeAnchor(n)));
