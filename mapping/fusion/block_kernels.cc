@@ -20,7 +20,8 @@ WAYMARK_INLINE const Rough8* ColumnsOf(const RoughBlock& block) {
 }
 
 WAYMARK_INLINE void Product(const PaddedBlock& a, const PaddedBlock& b, PaddedBlock& target) {
-  const Column8* const columns = ColumnsOf(a);
+  Column8 columns[kBlockColumns];  // stay in registers, whatever the target overwrites
+  for (int k = 0; k < kBlockColumns; ++k) columns[k] = ColumnsOf(a)[k];
   auto* const to = reinterpret_cast<Column8*>(target.at);
   for (int column = 0; column < kBlockColumns; ++column) {
     Column8 sum = columns[0] * b.at[0][column];
@@ -46,10 +47,12 @@ WAYMARK_INLINE void Round(std::span<const PaddedBlock> blocks, RoughBlock* round
 WAYMARK_INLINE void Downwards(std::span<const RoughBlock> column,
                               std::span<const std::uint32_t> rows, const RoughVector& of_column,
                               RoughVector* x) {
+  Rough8 factors[kBlockColumns];
+  for (int k = 0; k < kBlockColumns; ++k) factors[k] = Rough8{} + of_column.at[k];
   for (std::size_t i = 0; i < column.size(); ++i) {
     const Rough8* const columns = ColumnsOf(column[i]);
-    Rough8 sum = columns[0] * of_column.at[0];
-    for (int k = 1; k < kBlockColumns; ++k) sum += columns[k] * of_column.at[k];
+    Rough8 sum = columns[0] * factors[0];
+    for (int k = 1; k < kBlockColumns; ++k) sum += columns[k] * factors[k];
     *reinterpret_cast<Rough8*>(x[rows[i]].at) -= sum;
   }
 }
