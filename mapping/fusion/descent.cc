@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace waymark::mapping {
 namespace {
@@ -36,27 +35,28 @@ void Descent::Follow(const std::vector<Place>& before) {
 void Descent::TryStep(double tolerance_m) {
   const auto step = equations_.FindStep(damping_);
   if (!step) return Damp();
-  std::vector<Place> moved = places_;
-  motions_m_.assign(step->size(), 0);
-  for (std::size_t u = 0; u < step->size(); ++u) {
-    const std::uint32_t i = equations_.free()[u];
+  const std::vector<std::uint32_t>& free = equations_.free();
+  motions_m_.resize(free.size());
+  before_.clear();
+  for (std::size_t u = 0; u < free.size(); ++u) {
+    const std::uint32_t i = free[u];
     motions_m_[u] = MotionOf((*step)[u], terms_.submaps[i], places_[i]);
-    moved[i].Move((*step)[u]);
+    before_.push_back(places_[i]);
+    places_[i].Move((*step)[u]);
   }
   const double longest_m = *std::max_element(motions_m_.begin(), motions_m_.end());
   if (longest_m < tolerance_m && damping_ <= kLeastDamping) {  // settled: nobody asks for more
-    places_ = std::move(moved);
     longest_motion_m_ = longest_m;
     return;
   }
-  const double cost = equations_.Linearise(moved, loss_);
+  const double cost = equations_.Linearise(places_, loss_);
   if (cost <= cost_ || longest_m < tolerance_m) {  // below it the cost is level, but for rounding
-    places_ = std::move(moved);
     cost_ = cost;
     // A damped step is short for another reason than that it is over.
     longest_motion_m_ = damping_ > kLeastDamping ? std::max(longest_m, tolerance_m) : longest_m;
     damping_ = damping_ > kLeastDamping ? damping_ / 10 : 0;
   } else {
+    for (std::size_t u = 0; u < free.size(); ++u) places_[free[u]] = before_[u];
     equations_.Linearise(places_, loss_);
     Damp();
   }

@@ -2,7 +2,9 @@
 #include "mapping/fusion/internal/elimination_order.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace waymark::mapping {
@@ -13,6 +15,7 @@ class Dissection {
   Dissection(std::span<const Eigen::Vector2d> positions, std::span<const BlockEdge> edges)
       : positions_(positions),
         neighbours_(positions.size()),
+        side_(positions.size(), Side::kBefore),
         part_(positions.size(), 0),
         rank_(positions.size(), 0) {
     for (const BlockEdge& edge : edges) {
@@ -21,49 +24,76 @@ class Dissection {
     }
   }
 
-  void Append(std::vector<std::uint32_t> nodes, std::vector<std::uint32_t>& order) {
+  /// Nodes sorted along both axes: once for all, as parts keep the order of the whole.
+  struct Sorted {
+    std::array<std::vector<std::uint32_t>, 2> along;
+  };
+
+  Sorted SortAll() const {
+    Sorted all;
+    for (const int axis : {0, 1}) {
+      std::vector<std::uint32_t>& nodes = all.along[axis];
+      nodes.resize(positions_.size());
+      std::iota(nodes.begin(), nodes.end(), 0u);
+      std::sort(nodes.begin(), nodes.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::pair(positions_[a][axis], a) < std::pair(positions_[b][axis], b);
+      });
+    }
+    return all;
+  }
+
+  void Append(Sorted nodes, std::vector<std::uint32_t>& order) {
     constexpr std::size_t kSmall = 16;
-    Cut along_x = FindCut(nodes, 0), along_y = FindCut(nodes, 1);
-    Cut& cut = along_x.crossing <= along_y.crossing ? along_x : along_y;
-    if (nodes.size() <= kSmall) {
-      order.insert(order.end(), cut.sorted.begin(), cut.sorted.end());
+    const Cut along_x = FindCut(nodes.along[0]), along_y = FindCut(nodes.along[1]);
+    const int axis = along_x.crossing <= along_y.crossing ? 0 : 1;
+    const Cut& cut = axis == 0 ? along_x : along_y;
+    const std::vector<std::uint32_t>& sorted = nodes.along[axis];
+    if (sorted.size() <= kSmall) {
+      order.insert(order.end(), sorted.begin(), sorted.end());
       return;
     }
-    std::vector<std::uint32_t> before, at, after;
-    for (std::uint32_t rank = 0; rank < cut.sorted.size(); ++rank) {
-      auto& side = rank >= cut.rank ? after : cut.last_tie[rank] >= cut.rank ? at : before;
-      side.push_back(cut.sorted[rank]);
+    std::vector<std::uint32_t> at;
+    for (std::uint32_t rank = 0; rank < sorted.size(); ++rank) {
+      const bool is_at = rank < cut.rank && cut.last_tie[rank] >= cut.rank;
+      side_[sorted[rank]] = rank >= cut.rank ? Side::kAfter : is_at ? Side::kAt : Side::kBefore;
+      if (is_at) at.push_back(sorted[rank]);
     }
-    nodes.clear();
+    Sorted before, after;
+    for (const int each : {0, 1}) {
+      for (const std::uint32_t node : nodes.along[each]) {
+        if (side_[node] == Side::kBefore) before.along[each].push_back(node);
+        if (side_[node] == Side::kAfter) after.along[each].push_back(node);
+      }
+    }
+    nodes = {};
     Append(std::move(before), order);
     Append(std::move(after), order);
     order.insert(order.end(), at.begin(), at.end());
   }
 
  private:
+  enum class Side : std::uint8_t { kBefore, kAt, kAfter };
+
   struct Cut {
-    std::vector<std::uint32_t> sorted;    ///< nodes along the axis
     std::vector<std::uint32_t> last_tie;  ///< by rank: the highest rank it is tied to
     std::uint32_t rank = 0;               ///< the first beyond the cut
     int crossing = 0;                     ///< nodes before it with a tie beyond
   };
 
-  /// The cut across an axis, not too far from the middle, that fewest nodes reach across.
-  Cut FindCut(std::span<const std::uint32_t> nodes, int axis) {
-    Cut cut{.sorted = {nodes.begin(), nodes.end()}, .last_tie = {}};
-    std::sort(cut.sorted.begin(), cut.sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return std::pair(positions_[a][axis], a) < std::pair(positions_[b][axis], b);
-    });
-    const auto size = static_cast<std::uint32_t>(nodes.size());
+  /// The cut across the axis of the order, not too far from the middle, that fewest nodes reach across.
+  Cut FindCut(std::span<const std::uint32_t> sorted) {
+    Cut cut;
+    cut.last_tie.reserve(sorted.size());
+    const auto size = static_cast<std::uint32_t>(sorted.size());
     ++current_part_;
     for (std::uint32_t rank = 0; rank < size; ++rank) {
-      part_[cut.sorted[rank]] = current_part_;
-      rank_[cut.sorted[rank]] = rank;
+      part_[sorted[rank]] = current_part_;
+      rank_[sorted[rank]] = rank;
     }
     std::vector<int> change(size + 2, 0);  // of `crossing` from one rank to the next
     for (std::uint32_t rank = 0; rank < size; ++rank) {
       std::uint32_t last = rank;
-      for (const std::uint32_t other : neighbours_[cut.sorted[rank]]) {
+      for (const std::uint32_t other : neighbours_[sorted[rank]]) {
         if (part_[other] == current_part_) last = std::max(last, rank_[other]);
       }
       cut.last_tie.push_back(last);
@@ -84,6 +114,7 @@ class Dissection {
 
   std::span<const Eigen::Vector2d> positions_;
   std::vector<std::vector<std::uint32_t>> neighbours_;
+  std::vector<Side> side_;           // by node: of the last cut
   std::vector<std::uint32_t> part_;  // by node: the part it was last in
   std::vector<std::uint32_t> rank_;  // by node: in that part
   std::uint32_t current_part_ = 0;
@@ -93,9 +124,10 @@ class Dissection {
 
 std::vector<std::uint32_t> ChooseEliminationOrder(std::span<const Eigen::Vector2d> positions,
                                                   std::span<const BlockEdge> edges) {
-  std::vector<std::uint32_t> all, order;
-  for (std::uint32_t i = 0; i < positions.size(); ++i) all.push_back(i);
-  Dissection(positions, edges).Append(std::move(all), order);
+  std::vector<std::uint32_t> order;
+  order.reserve(positions.size());
+  Dissection dissection(positions, edges);
+  dissection.Append(dissection.SortAll(), order);
   return order;
 }
 

@@ -45,10 +45,10 @@ Equations::Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
     unknown_of_[i] = static_cast<std::uint32_t>(free_.size());
     free_.push_back(i);
   }
-  for (const OverlapTerm& term : terms.overlaps) {
-    const BlockEdge edge{unknown_of_[term.first], unknown_of_[term.second]};
+  for (std::size_t k = 0; k < terms.pairs.size(); ++k) {
+    const BlockEdge edge{unknown_of_[terms.pairs[k].first], unknown_of_[terms.pairs[k].second]};
     if (edge.first == kHeld && edge.second == kHeld) continue;
-    overlaps_.push_back(&term);
+    overlaps_.push_back(&terms.overlaps[k]);
     if (edge.first != kHeld && edge.second != kHeld) edges_.push_back(edge);
   }
   matrix_.diagonal.resize(free_.size());

@@ -16,13 +16,16 @@ SubmapTerm MakeSubmapTerm(const FusionSubmap& submap, const std::optional<Sim3>&
   }
   term.centroid_in_submap = sum / static_cast<double>(submap.images.size());
   std::vector<const FusionImage*> known;
+  known.reserve(submap.images.size());
   for (const FusionImage& image : submap.images) {
     const Eigen::Vector3d& position = image.submap_from_camera.rigid().translation();
     term.radius = std::max(term.radius, (position - term.centroid_in_submap).norm());
     if (image.gnss_in_map && uses_gnss) known.push_back(&image);
   }
-  for (const std::uint32_t k :
-       SpreadIndices(known.size(), static_cast<std::size_t>(options.max_gnss_images))) {
+  const auto chosen =
+      SpreadIndices(known.size(), static_cast<std::size_t>(options.max_gnss_images));
+  term.fixes.reserve(chosen.size());
+  for (const std::uint32_t k : chosen) {
     term.fixes.push_back(
         {known[k]->submap_from_camera.rigid().translation() - term.centroid_in_submap,
          known[k]->gnss_in_map->coordinates(), 1 / known[k]->gnss_sigma_m});
@@ -72,8 +75,10 @@ FusionTerms MakeTerms(std::span<const FusionSubmap> submaps, std::span<const Ove
     terms.submaps.push_back(MakeSubmapTerm(submaps[i], places[i], uses_gnss, options));
   }
   terms.overlaps.reserve(overlaps.size());
+  terms.pairs.reserve(overlaps.size());
   for (const Overlap& overlap : overlaps) {
     if (!places[overlap.first] || !places[overlap.second]) continue;
+    terms.pairs.push_back({overlap.first, overlap.second});
     terms.overlaps.push_back(MakeOverlapTerm(overlap, submaps, terms.submaps, options));
   }
   return terms;

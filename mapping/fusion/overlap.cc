@@ -109,6 +109,7 @@ void PlaceThroughOverlaps(std::span<const FusionSubmap> submaps, std::span<const
 std::vector<std::uint32_t> SpreadIndices(std::size_t size, std::size_t count) {
   std::vector<std::uint32_t> chosen;
   const std::size_t kept = std::min(size, count);
+  chosen.reserve(kept);
   for (std::size_t i = 0; i < kept; ++i) {
     chosen.push_back(static_cast<std::uint32_t>(i * size / kept));
   }
@@ -121,7 +122,10 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
     std::uint32_t submap;
     std::uint32_t index;
   };
+  std::size_t count = 0;
+  for (const FusionSubmap& submap : submaps) count += submap.images.size();
   std::vector<Sighting> sightings;
+  sightings.reserve(count);
   for (std::uint32_t s = 0; s < submaps.size(); ++s) {
     for (std::uint32_t i = 0; i < submaps[s].images.size(); ++i) {
       sightings.push_back({submaps[s].images[i].image, s, i});
@@ -135,6 +139,7 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
     auto operator<=>(const Pair&) const = default;
   };
   std::vector<Pair> pairs;
+  pairs.reserve(count / 2);  // most shared images are in two submaps
   for (std::size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
     while (end < sightings.size() && sightings[end].image == sightings[begin].image) {
       for (std::size_t k = begin; k < end; ++k) {

@@ -74,9 +74,9 @@ void Widen(const FusionTerms& terms, const std::vector<bool>& is_free, int overl
            std::vector<bool>& is_in) {
   for (int i = 0; i < overlaps; ++i) {
     const std::vector<bool> before = is_in;
-    for (const OverlapTerm& term : terms.overlaps) {
-      if (before[term.first]) is_in[term.second] = true;
-      if (before[term.second]) is_in[term.first] = true;
+    for (const auto& [first, second] : terms.pairs) {
+      if (before[first]) is_in[second] = true;
+      if (before[second]) is_in[first] = true;
     }
   }
   for (std::size_t i = 0; i < is_in.size(); ++i) is_in[i] = is_in[i] && is_free[i];

@@ -47,6 +47,7 @@ class Descent {
   double cost_ = 0;
   double damping_ = 0;
   std::vector<double> motions_m_;  // by unknown
+  std::vector<Place> before_;      // the last step, by unknown
   double longest_motion_m_ = std::numeric_limits<double>::infinity();
 };
 

@@ -73,6 +73,7 @@ struct SubmapTerm {
 struct FusionTerms {
   std::vector<SubmapTerm> submaps;
   std::vector<OverlapTerm> overlaps;  ///< of placed submaps only
+  std::vector<BlockEdge> pairs;       ///< of each overlap its two submaps, to look through quickly
 };
 FusionTerms MakeTerms(std::span<const FusionSubmap> submaps, std::span<const Overlap> overlaps,
                       std::span<const std::optional<Sim3>> places, bool uses_gnss,
