@@ -9,6 +9,7 @@
 #include "mapping/base/median.h"
 #include "mapping/base/stopwatch.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
+#include "tests/evaluation/localisation/walk_bursts.h"
 
 namespace waymark::evaluation {
 namespace {
@@ -39,6 +40,7 @@ Result<void> AddWalks(const ConditionsPlan& plan, LightPreset light, std::size_t
   WAYMARK_TRY_ASSIGN(auto features,
                      LoadAllFeatures(pictures, localiser::LocaliserOptions{}.features, workshop));
   simulator::Random random = simulator::Random(seed).Fork(9);
+  const std::size_t begin = walk.questions.size();
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     const View& view = pictures[i].view;
     Question question{std::string(simulator::LightPresetName(light)),
@@ -47,6 +49,7 @@ Result<void> AddWalks(const ConditionsPlan& plan, LightPreset light, std::size_t
     AddSenses(plan.senses, random, question);
     walk.questions.push_back(std::move(question));
     walk.pictures.push_back(std::move(pictures[i]));
+    walk.walk_begins.push_back(begin + i / per_walk * per_walk);
   }
   return {};
 }
@@ -83,7 +86,10 @@ Result<ConditionsRow> RunRow(const ConditionsPlan& plan, std::size_t drives,
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, {}));
   row.opening_s = watch.ElapsedS();
   row.resident_mib = ResidentMib() - before_mib;
-  row.verdicts = AskAll(*localiser, walk.questions, workshop);
+  row.verdicts = plan.burst < localiser::BurstRequest::kMinImages
+                     ? AskAll(*localiser, walk.questions, workshop)
+                     : AskInBursts(*localiser, walk.questions, walk.walk_begins,
+                                   {.images = plan.burst, .seed = plan.seed}, workshop);
   WAYMARK_TRY(TimeWithPixels(*localiser, walk, row));
   return row;
 }

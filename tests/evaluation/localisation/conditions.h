@@ -16,7 +16,8 @@ struct ConditionsPlan {
   simulator::CarOptions car;
   simulator::PhoneOptions phone;
   int keyframes_per_walk = 36;
-  int requests = 1008;  ///< of every row, spread evenly over the lights
+  int requests = 1008;    ///< of every row, spread evenly over the lights
+  std::size_t burst = 1;  ///< keyframes that are asked as one; 1: each by itself
   PhoneSenses senses;
   /// The drives in the order in which they join the map; a row of the table is the first so many.
   std::vector<simulator::LightPreset> drives{
@@ -45,6 +46,7 @@ Result<std::vector<mapping::ReleasedSubmap>> MapDrives(const ConditionsPlan& pla
 struct AskedPictures {
   std::vector<Question> questions;  ///< with features
   std::vector<TruePicture> pictures;
+  std::vector<std::size_t> walk_begins;  ///< of each, the first of its walk
 };
 
 /// As many as the plan says, light after light.

@@ -33,6 +33,9 @@ int Run(int argc, char** argv) {
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   app.add_option("--rows", plan.rows, "numbers of drives in the map")->capture_default_str();
+  app.add_option("--burst", plan.burst, "keyframes of a walk that are asked as one")
+      ->check(CLI::Range(std::size_t{1}, localiser::BurstRequest::kMaxImages))
+      ->capture_default_str();
   app.add_option("--seed", plan.seed, "another seed is another set of drives and walks")
       ->capture_default_str();
   app.add_option("--city-seed", plan.city.seed)->capture_default_str();

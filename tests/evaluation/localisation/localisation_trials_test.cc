@@ -62,8 +62,11 @@ TEST(Conditions, PhonesAreFoundInAMapOfTheSameLightAndAgainWithoutDrawing) {
   EXPECT_THAT(DescribeConditions(plan, *rows), testing::HasSubstr("Simulation"));
   EXPECT_THAT(EncodeConditions(plan, *rows), testing::HasSubstr("\"requests\": 3"));
   drawn = 0;
-  ASSERT_TRUE(RunConditions(plan, workshop).ok());
+  plan.burst = 2;
+  const auto in_bursts = RunConditions(plan, workshop);
+  ASSERT_TRUE(in_bursts.ok()) << ToString(in_bursts.error());
   EXPECT_EQ(drawn, 0);
+  EXPECT_GE(Count(in_bursts->front().verdicts).within_25cm_2deg, 2);
 }
 
 TEST(FalseAccepts, AnotherCityIsNotFound) {
