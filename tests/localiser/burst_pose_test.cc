@@ -120,6 +120,19 @@ TEST_F(BurstPose, OfAnImageMovesWithItsLeverArm) {
   EXPECT_GT(drifting.covariance(0, 0), of_last.covariance(0, 0) + std::pow(0.02 * 0.3, 2));
 }
 
+TEST_F(BurstPose, KnowsThatOdometrysMetreIsWrong) {
+  for (BurstCamera& taken : cameras_) {
+    taken.vo_from_camera =
+        Rigid3(taken.vo_from_camera.rotation(), 1.19 * taken.vo_from_camera.translation());
+  }
+  const auto pose = EstimateBurstPose(cameras_, matches_, {});
+  ASSERT_TRUE(pose.has_value());
+  EXPECT_NEAR(pose->odometry_scale, 1 / 1.19, 0.02);
+  EXPECT_THAT(FindScaleContradiction(40, pose->odometry_scale),
+              testing::Optional(testing::HasSubstr("0.84 times")));
+  EXPECT_EQ(FindScaleContradiction(40, 0.9), std::nullopt);
+}
+
 TEST_F(BurstPose, EvidenceCountsLandmarksNotSightings) {
   const auto pose = EstimateBurstPose(cameras_, matches_, {});
   ASSERT_TRUE(pose.has_value());

@@ -63,6 +63,9 @@ std::optional<BurstEvidence> EstimatePose(const OpenSubmap& submap, const AskedB
   } else if (auto lens = FindLensContradiction(pose.inliers.size(), pose.focal_factor,
                                                options.focal_sigma_share)) {
     answer.refusal = *std::move(lens);
+  } else if (auto scale =
+                 FindScaleContradiction(evidence.landmarks, submap_from_vo->odometry_scale)) {
+    answer.refusal = *std::move(scale);
   } else {
     answer.submap_from_camera = std::move(pose);
     return evidence;

@@ -15,6 +15,9 @@
 namespace waymark::localiser::internal {
 namespace {
 
+// Odometry is good to some per cent, and so is a map that only GNSS scales.
+constexpr double kMaxScaleError = 0.15;
+
 /// The first inlier of each landmark.
 std::vector<std::uint32_t> OnePerLandmark(const ImageMatches& matches,
                                           const mapping::AbsolutePose& pose) {
@@ -59,6 +62,12 @@ BurstEvidence CountEvidence(const ImageMatches& matches, const mapping::Absolute
   evidence.images = images.size();
   evidence.median_distance = Median(std::move(distances));
   return evidence;
+}
+
+std::optional<std::string> FindScaleContradiction(std::size_t landmarks, double odometry_scale) {
+  if (std::abs(odometry_scale - 1) <= kMaxScaleError) return std::nullopt;
+  return fmt::format("{} landmarks contradict odometry's metre: they fit with {:.2f} times it",
+                     landmarks, odometry_scale);
 }
 
 std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> cameras,

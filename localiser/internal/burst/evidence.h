@@ -33,4 +33,8 @@ std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> 
                                                    const mapping::AbsolutePose& pose,
                                                    int min_landmarks, double max_error_px);
 
+/// Whether the metre that a burst's inliers fit with is nearly odometry's: few landmarks bend to an
+/// odometry that is wrong. nullopt: it is.
+std::optional<std::string> FindScaleContradiction(std::size_t landmarks, double odometry_scale);
+
 }  // namespace waymark::localiser::internal

@@ -68,11 +68,25 @@ std::optional<RefinedBurst> Polish(std::span<const BurstCamera> cameras,
   return refined;
 }
 
+/// Odometry's metre as the matches have it when nothing is believed of it, where that fits them
+/// much better; else as refined.
+double ScaleOfMatches(std::span<const BurstCamera> cameras, const ImageMatches& matches,
+                      std::span<const std::uint32_t> inliers, const RefinedBurst& refined) {
+  const double sigma_px = SigmaPx(cameras, matches, inliers, refined.state);
+  const auto free = RefineBurst(cameras, matches, inliers, refined.state,
+                                {.huber_px = mapping::kHuberSigmas * sigma_px,
+                                 .scale_sigma_share = 1,
+                                 .pixel_sigma_px = sigma_px});
+  const bool is_free_better =
+      free && mapping::IsFocalMuchBetter(free->weighted_squares, refined.weighted_squares);
+  return is_free_better ? free->state.scale : refined.state.scale;
+}
+
 }  // namespace
 
-std::optional<AbsolutePose> EstimateBurstPose(std::span<const BurstCamera> cameras,
-                                              const ImageMatches& matches,
-                                              const BurstPoseOptions& options) {
+std::optional<BurstPose> EstimateBurstPose(std::span<const BurstCamera> cameras,
+                                           const ImageMatches& matches,
+                                           const BurstPoseOptions& options) {
   const auto min_inliers = static_cast<std::size_t>(options.min_inliers);
   if (matches.size() < min_inliers) return std::nullopt;
   const BurstProblem problem(cameras, matches, options.up_in_submap, options.max_error_px);
@@ -92,12 +106,14 @@ std::optional<AbsolutePose> EstimateBurstPose(std::span<const BurstCamera> camer
   const std::size_t count = fit->inliers.size();
   const auto covariance = mapping::PoseCovariance(refined->information, squares, count);
   if (!covariance) return std::nullopt;
-  return AbsolutePose{.world_from_camera = refined->state.submap_from_vo,
-                      .focal_factor = refined->state.focal_factor,
-                      .inliers = std::move(fit->inliers),
-                      .rms_px = std::sqrt(squares / static_cast<double>(count)),
-                      .covariance = *covariance,
-                      .iterations = fit->iterations};
+  const double odometry_scale = ScaleOfMatches(cameras, matches, fit->inliers, *refined);
+  return BurstPose{{.world_from_camera = refined->state.submap_from_vo,
+                    .focal_factor = refined->state.focal_factor,
+                    .inliers = std::move(fit->inliers),
+                    .rms_px = std::sqrt(squares / static_cast<double>(count)),
+                    .covariance = *covariance,
+                    .iterations = fit->iterations},
+                   odometry_scale};
 }
 
 AbsolutePose PoseOfImage(const AbsolutePose& submap_from_vo, std::span<const BurstCamera> cameras,

@@ -25,13 +25,18 @@ struct BurstPoseOptions {
   std::uint64_t seed = 1;
 };
 
+/// In it "camera" is odometry's frame.
+struct BurstPose : mapping::AbsolutePose {
+  double odometry_scale = 1;  ///< on odometry's metre, as the matches have it
+};
+
 /// Estimates where odometry's frame is in a submap from the matches of several images at once: two
 /// matches of any images and gravity are a sample of a robust loop; then refinement of all six
-/// freedoms over all images. In the result "camera" is odometry's frame, and the covariance that of
-/// independent errors. nullopt: no pose has enough inliers.
-std::optional<mapping::AbsolutePose> EstimateBurstPose(std::span<const BurstCamera> cameras,
-                                                       const ImageMatches& matches,
-                                                       const BurstPoseOptions& options);
+/// freedoms over all images. The covariance is that of independent errors. nullopt: no pose has
+/// enough inliers.
+std::optional<BurstPose> EstimateBurstPose(std::span<const BurstCamera> cameras,
+                                           const ImageMatches& matches,
+                                           const BurstPoseOptions& options);
 
 /// The pose of one of the images, with its own covariance; odometry adds `drift_share` of the way
 /// between the image and those that show the inliers.

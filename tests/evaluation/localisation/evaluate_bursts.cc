@@ -37,7 +37,7 @@ void Print(const std::string& kind, const BurstTrial& trial, const std::vector<V
   }
   const Recall all = Count(verdicts);
   const Calibration calibration = Calibrate(verdicts);
-  fmt::print("{:34} {:>6} {:>5}/{:<5} {:>8.1f} {:>9.1f} {:>7.1f} {:>6} {:>8.0f} {:>8.0f}\n", kind,
+  fmt::print("{:36} {:>6} {:>5}/{:<5} {:>8.1f} {:>9.1f} {:>7.1f} {:>6} {:>8.0f} {:>8.0f}\n", kind,
              trial.images, all.accepted, all.requests, 100 * all.Share(all.accepted),
              errors_m.empty() ? 0 : 100 * Median(errors_m),
              errors_m.empty() ? 0 : 100 * *std::ranges::max_element(errors_m), all.false_poses,
@@ -83,7 +83,7 @@ Result<void> Evaluate(const Flags& flags) {
     WAYMARK_TRY_ASSIGN(auto opened_small, Open(std::move(summarised)));
     small.push_back(std::move(opened_small));
   }
-  fmt::print("{:34} {:>6} {:>11} {:>8} {:>9} {:>7} {:>6} {:>8} {:>8}\n", "features left", "images",
+  fmt::print("{:36} {:>6} {:>11} {:>8} {:>9} {:>7} {:>6} {:>8} {:>8}\n", "features left", "images",
              "localised", "%", "median cm", "max", "false", "95 %", "ms");
   const int repeats = flags.repeats;
   PrintKind("all", whole, {}, flags);
@@ -96,8 +96,17 @@ Result<void> Evaluate(const Flags& flags) {
   PrintKind(summary + "strip of 20 %", small, {.repeats = repeats, .starve = Strip(0.2)}, flags);
   PrintKind("all, odometry 5 % long", whole, {.odometry_scale = 1.05}, flags, {kLongest});
   PrintKind("all, odometry 40 % long", whole, {.odometry_scale = 1.4}, flags, {kLongest});
-  PrintKind("strip of 10 %, odometry 40 % long", whole,
-            {.repeats = repeats, .starve = Strip(0.1), .odometry_scale = 1.4}, flags, {kLongest});
+  for (const int percent : {5, 10, 20, 40}) {
+    const BurstTrial starved{.repeats = repeats, .odometry_scale = 1 + 0.01 * percent};
+    for (const auto& [kind, starve] :
+         {std::pair("strip of 10 %", Strip(0.1)), std::pair("60 of 2,000", Some(60)),
+          std::pair("30 of 2,000", Some(30))}) {
+      BurstTrial trial = starved;
+      trial.starve = starve;
+      PrintKind(fmt::format("{}, odometry {} % long", kind, percent), whole, trial, flags,
+                {kLongest});
+    }
+  }
   return {};
 }
 
