@@ -80,7 +80,8 @@ class Dissection {
     int crossing = 0;                     ///< nodes before it with a tie beyond
   };
 
-  /// The cut across the axis of the order, not too far from the middle, that fewest nodes reach across.
+  /// The cut across the axis of the order, not too far from the middle, that fewest nodes reach
+  /// across.
   Cut FindCut(std::span<const std::uint32_t> sorted) {
     Cut cut;
     cut.last_tie.reserve(sorted.size());
