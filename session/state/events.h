@@ -64,6 +64,11 @@ struct PoseReceived {
 struct CommandReceived {
   AnchorCommand command;
 };
+/// Some of the anchors of a room that holds many, before the RoomLoaded with its last ones.
+struct RoomPartLoaded {
+  RoomId room;
+  std::vector<RoomAnchor> anchors;
+};
 /// The answer to effect::LoadRoom.
 struct RoomLoaded {
   RoomId room;
@@ -101,11 +106,11 @@ struct Ticked {};
 
 }  // namespace event
 
-using Event =
-    std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
-                 event::CommandReceived, event::RoomLoaded, event::WriteFinished,
-                 event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked,
-                 event::PermitsRevoked, event::RoomCommandReceived, event::AreaReceived>;
+using Event = std::variant<event::HelloReceived, event::DeviceLeft, event::Heard,
+                           event::PoseReceived, event::CommandReceived, event::RoomLoaded,
+                           event::WriteFinished, event::StoreChanged, event::Localised,
+                           event::ReleaseSwapped, event::Ticked, event::PermitsRevoked,
+                           event::RoomCommandReceived, event::AreaReceived, event::RoomPartLoaded>;
 
 namespace effect {
 

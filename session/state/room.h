@@ -70,6 +70,7 @@ struct AnchorSet {
 /// A room in memory.
 struct Room {
   bool is_open = false;                       ///< false: its anchors are being read
+  bool has_parts = false;                     ///< some of them have been
   std::vector<event::HelloReceived> waiting;  ///< while not open
   std::set<DeviceId> members;
   std::vector<DeviceId> poses_due;       ///< some of them may have left since

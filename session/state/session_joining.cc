@@ -146,6 +146,32 @@ void SessionState::Refuse(const Hello& hello, JoinVerdict verdict, const std::st
   if (member == members_.end()) step.effects.push_back(effect::CloseDevice{hello.device});
 }
 
+void SessionState::On(const event::RoomPartLoaded& event, Step& step) {
+  const auto found = rooms_.find(event.room);
+  if (found == rooms_.end() || found->second.is_open) return;
+  ShowLoaded(event.room, found->second, event.anchors, step);
+  found->second.has_parts = true;
+}
+
+void SessionState::ShowLoaded(const RoomId& id, Room& room, const std::vector<RoomAnchor>& anchors,
+                              Step& step) {
+  if (!room.has_parts) step.effects.push_back(effect::OpenRoom{id});
+  for (const RoomAnchor& loaded : anchors) Show(room, InLiveMap(loaded), step);
+}
+
+/// Another release may have gone live between two parts.
+void SessionState::ShowMoved(Room& room, Step& step) {
+  std::vector<RoomAnchor> moved;
+  const auto look_at = [&](const AnchorSet& set) {
+    for (const auto& [id, anchor] : set.anchors) {
+      if (anchor.record.epoch != map_.epoch) moved.push_back(InLiveMap(anchor));
+    }
+  };
+  look_at(room.shared);
+  for (const auto& [owner, set] : room.own) look_at(set);
+  for (const RoomAnchor& anchor : moved) Show(room, anchor, step);
+}
+
 void SessionState::On(const event::RoomLoaded& event, Step& step) {
   const auto found = rooms_.find(event.room);
   if (found == rooms_.end() || found->second.is_open) return;
@@ -162,8 +188,8 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
   room.capacity = static_cast<std::uint32_t>(options_.max_members);
   room.waiting.clear();
   room.shared.revision = room.followed = *event.revision;
-  step.effects.push_back(effect::OpenRoom{event.room});
-  for (const RoomAnchor& loaded : event.anchors) Show(room, InLiveMap(loaded), step);
+  ShowLoaded(event.room, room, event.anchors, step);
+  if (room.has_parts) ShowMoved(room, step);
   for (const content::AnchorChange& change : std::exchange(room.early, {})) {
     Follow(room, change, step);
   }

@@ -75,6 +75,7 @@ class SessionState {
   void On(const event::Heard& event, Step& step);
   void On(const event::PoseReceived& event, Step& step);
   void On(const event::CommandReceived& event, Step& step);
+  void On(const event::RoomPartLoaded& event, Step& step);
   void On(const event::RoomLoaded& event, Step& step);
   void On(const event::WriteFinished& event, Step& step);
   void On(const event::StoreChanged& event, Step& step);
@@ -113,6 +114,8 @@ class SessionState {
   void PublishState(const RoomId& id, Room& room, Step& step);
   void PublishMap(const RoomId& id, const Room& room, Step& step);
   void Follow(Room& room, const content::AnchorChange& change, Step& step);
+  void ShowLoaded(const RoomId& id, Room& room, const std::vector<RoomAnchor>& anchors, Step& step);
+  void ShowMoved(Room& room, Step& step);
   void Show(Room& room, const RoomAnchor& anchor, Step& step);
   void PublishAnchor(Room& room, const RoomAnchor& anchor, Step& step);
   void PublishAreas(Room& room, Step& step);

@@ -111,6 +111,34 @@ TEST_F(AnchorAreas, ARoomThatHoldsTooManyIsJoinedWithAnArea) {
   EXPECT_TRUE(Knows(*anna, {near_->id}));
 }
 
+TEST_F(AnchorAreas, ARoomThatIsReadInPartsIsKnownWhole) {
+  constexpr int kAnchors = 1234;
+  {
+    auto store = content::OpenSqliteStore(StorePath());
+    ASSERT_TRUE(store.ok());
+    std::vector<content::AnchorRecord> records;
+    for (int i = 0; i < kAnchors; ++i) {
+      content::AnchorRecord& record = records.emplace_back(content::AnchorRecord{
+          .id = AnchorId(FormatUuid(UuidFromBits(3, static_cast<std::uint64_t>(i)))),
+          .room = RoomId("square")});
+      record.owner = "city";
+      record.map_from_anchor = {Eigen::Quaterniond::Identity(), {static_cast<double>(i), 0, 0}};
+      record.place =
+          TangentPlane(support::MapOrigin()).ToGeo(Point<Map>(static_cast<double>(i), 0, 0));
+    }
+    for (const content::AnchorRecord& record : records) ASSERT_TRUE((*store)->Create(record).ok());
+  }
+  StartServer();
+  const auto ben = Join("Ben");
+  EXPECT_TRUE(Eventually([&] { return ben->HasSnapshot(); }));
+  EXPECT_EQ(ben->Anchors().size(), kAnchors);
+  DeviceOptions options = Near("Anna");
+  options.about = TangentPlane(support::MapOrigin()).ToGeo(Point<Map>(600.5, 0, 0));
+  const auto anna = Join(options);
+  EXPECT_TRUE(Eventually([&] { return anna->HasSnapshot(); }));
+  EXPECT_EQ(anna->Anchors().size(), 2 * kRadius_m);
+}
+
 TEST_F(AnchorAreas, LossesOnlyDelay) {
   options_.transmit_loss_per_mille = device_loss_per_mille_ = 150;
   StartWithTwoAnchors();

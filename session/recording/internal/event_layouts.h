@@ -128,6 +128,15 @@ void Visit(Archive& archive, event::RoomCommandReceived& value) {
   archive(command);
 }
 
+inline event::RoomPartLoaded Blank(Here, std::type_identity<event::RoomPartLoaded>) {
+  return {.room = RoomId(""), .anchors = {}};
+}
+template <typename Archive>
+void Visit(Archive& archive, event::RoomPartLoaded& value) {
+  auto& [room, anchors] = value;
+  archive(room, anchors);
+}
+
 template <typename Archive>
 void Visit(Archive& archive, event::AreaReceived& value) {
   auto& [report] = value;

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -50,6 +51,7 @@ class Server::Loop {
   void On(LocaliseQuery query, ServerTime arrived);
   void On(AreaReport report, ServerTime) { Apply(event::AreaReceived{report}); }
   std::optional<ClockPong> AnswerTo(const ClockPing& ping, ServerTime arrived);
+  void LoadSome();
   void LookAtDoor();
   void GoOver(ServedRelease served);
   void Deliver(LocaliseAnswer& answer);
@@ -65,8 +67,9 @@ class Server::Loop {
   const RunId run_;
   Inbox<Item> inbox_;
   const recording::RecordingHeader begin_;
-  SessionState state_;       // owned by the loop
-  ServerCounters counters_;  // owned by the loop
+  SessionState state_;                     // owned by the loop
+  std::deque<event::RoomLoaded> loading_;  // owned by the loop
+  ServerCounters counters_;                // owned by the loop
   StoreWorkers store_;
   LocalisePool pool_;
   const Role open_role_;
