@@ -20,10 +20,13 @@ constexpr const char* kFooter =
     "  waymark-anchors anchors.db query --public --box 47.3,8.5,47.4,8.6\n"
     "  waymark-anchors anchors.db export > all.geojson\n"
     "  waymark-anchors postgresql://user@host/db import all.geojson\n"
+    "  createdb waymark && waymark-anchors postgresql:///waymark import all.geojson\n"
     "  waymark-anchors anchors.db check                after a crash, before a backup\n"
     "  waymark-anchors anchors.db compact              gives back what superseded states take\n"
     "Exit status: 0 done, 1 refused, failed, damaged or anchors kept (the reason is printed),\n"
-    "above 100 wrong usage.";
+    "above 100 wrong usage.\n"
+    "The first import or server makes the store: the file, or the tables in a database that is\n"
+    "there.";
 
 /// One subcommand that chooses what runs.
 CLI::App* Add(CLI::App& app, Command& chosen, Command command, const char* name,
