@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kDependence = 1.5;     // on variances
 constexpr double kImageShiftPx = 0.11;  // standard deviation per axis
-constexpr double kMapShare = 4e-4;      // of the distance to what is seen, per axis
+constexpr double kMapShare = 2.5e-4;    // of the distance to what is seen, per axis
 
 }  // namespace
 

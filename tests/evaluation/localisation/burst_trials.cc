@@ -4,11 +4,9 @@
 #include <numeric>
 #include <utility>
 
-#include "mapping/base/file.h"
 #include "mapping/experience/kapture.h"
-#include "mapping/io/submap_file.h"
-#include "mapping/summary/summarise.h"
 #include "tests/evaluation/data.h"
+#include "tests/evaluation/localisation/summaries.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
 #include "tests/evaluation/running.h"
 
@@ -79,15 +77,7 @@ Result<AskedDrive> PrepareAskedDrive(const std::filesystem::path& drive,
 }
 
 Result<AskedDrive> Summarised(AskedDrive drive, std::size_t max_bytes) {
-  std::vector<mapping::ReleasedSubmap> submaps;
-  for (mapping::ReleasedSubmap placed : drive.release.submaps) {
-    WAYMARK_TRY_ASSIGN(const auto bytes, LoadFile(drive.map.SubmapPath(placed.id)));
-    WAYMARK_TRY_ASSIGN(const mapping::SubmapModel whole, mapping::DecodeSubmap(bytes));
-    WAYMARK_TRY_ASSIGN(const auto small,
-                       mapping::EncodeSubmap(Summarise(whole, {.max_bytes = max_bytes})));
-    WAYMARK_TRY_ASSIGN(placed.id, drive.map.StoreSubmap(small));
-    submaps.push_back(std::move(placed));
-  }
+  WAYMARK_TRY_ASSIGN(auto submaps, StoreSummaries(drive.map, drive.release.submaps, max_bytes));
   drive.release = ReleaseOf(std::move(submaps));
   return drive;
 }

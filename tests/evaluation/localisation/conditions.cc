@@ -8,6 +8,7 @@
 
 #include "mapping/base/median.h"
 #include "mapping/base/stopwatch.h"
+#include "tests/evaluation/localisation/summaries.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
 #include "tests/evaluation/localisation/walk_bursts.h"
 
@@ -70,8 +71,8 @@ Result<void> TimeWithPixels(const localiser::Localiser& localiser, const AskedPi
 }
 
 Result<ConditionsRow> RunRow(const ConditionsPlan& plan, std::size_t drives,
-                             const std::vector<mapping::ReleasedSubmap>& submaps, const AskedPictures& walk,
-                             const Workshop& workshop) {
+                             const std::vector<mapping::ReleasedSubmap>& submaps,
+                             const AskedPictures& walk, const Workshop& workshop) {
   const auto count = static_cast<std::ptrdiff_t>(drives);
   ConditionsRow row;
   row.drives.assign(plan.drives.begin(), plan.drives.begin() + count);
@@ -135,7 +136,12 @@ Result<AskedPictures> DrawQuestions(const ConditionsPlan& plan, const Workshop& 
 Result<std::vector<ConditionsRow>> RunConditions(
     const ConditionsPlan& plan, const Workshop& workshop,
     const std::function<void(const ConditionsRow&)>& report) {
-  WAYMARK_TRY_ASSIGN(const auto submaps, MapDrives(plan, workshop));
+  WAYMARK_TRY_ASSIGN(auto submaps, MapDrives(plan, workshop));
+  if (plan.summary_mb > 0) {
+    WAYMARK_TRY_ASSIGN(const mapping::MapDirectory map, OpenWorkshopMap(workshop));
+    const auto max_bytes = static_cast<std::size_t>(1e6 * plan.summary_mb);
+    WAYMARK_TRY_ASSIGN(submaps, StoreSummaries(map, std::move(submaps), max_bytes));
+  }
   WAYMARK_TRY_ASSIGN(const AskedPictures walk, DrawQuestions(plan, workshop));
   std::vector<ConditionsRow> rows;
   for (const std::size_t drives : plan.rows) {

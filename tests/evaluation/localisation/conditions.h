@@ -18,6 +18,7 @@ struct ConditionsPlan {
   int keyframes_per_walk = 36;
   int requests = 1008;    ///< of every row, spread evenly over the lights
   std::size_t burst = 1;  ///< keyframes that are asked as one; 1: each by itself
+  double summary_mb = 0;  ///< submaps are summaries of so many 10^6 bytes; 0: whole
   PhoneSenses senses;
   /// The drives in the order in which they join the map; a row of the table is the first so many.
   std::vector<simulator::LightPreset> drives{

@@ -27,6 +27,7 @@ int Run(int argc, char** argv) {
   ConditionsPlan plan;
   WorkshopArguments work;
   std::string json;
+  std::vector<std::string> lights;
   bool is_quick = false;
   AddWorkshopOptions(app, work);
   app.add_option("--requests", plan.requests, "of every row, spread over the lights")
@@ -36,6 +37,9 @@ int Run(int argc, char** argv) {
   app.add_option("--burst", plan.burst, "keyframes of a walk that are asked as one")
       ->check(CLI::Range(std::size_t{1}, localiser::BurstRequest::kMaxImages))
       ->capture_default_str();
+  app.add_option("--summary-mb", plan.summary_mb, "ask summaries of so many 10^6 bytes a submap")
+      ->capture_default_str();
+  app.add_option("--lights", lights, "of the requests: " + simulator::LightPresetNames());
   app.add_option("--seed", plan.seed, "another seed is another set of drives and walks")
       ->capture_default_str();
   app.add_option("--city-seed", plan.city.seed)->capture_default_str();
@@ -43,6 +47,12 @@ int Run(int argc, char** argv) {
   app.add_flag("--quick", is_quick, "a tiny world, to try the program");
   CLI11_PARSE(app, argc, argv);
   if (is_quick) MakeQuick(plan);
+  if (!lights.empty()) plan.lights.clear();
+  for (const std::string& name : lights) {
+    const auto light = simulator::FindLightPreset(name);
+    if (!light) return Fail({ErrorCode::kInvalidArgument, "no light is called " + name});
+    plan.lights.push_back(*light);
+  }
   const auto rows = RunConditions(plan, MakeWorkshop(work), [](const ConditionsRow& row) {
     fmt::print("{}", DescribeRow(row));
     std::fflush(stdout);
