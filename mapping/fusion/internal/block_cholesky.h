@@ -9,6 +9,7 @@
 
 #include "mapping/fusion/internal/block_kernels.h"
 #include "mapping/fusion/internal/elimination_order.h"
+#include "mapping/fusion/internal/large_pages.h"
 
 namespace waymark::mapping {
 
@@ -16,11 +17,14 @@ namespace waymark::mapping {
 using Block = Eigen::Matrix<double, 7, 7>;
 using BlockVector = Eigen::Matrix<double, 7, 1>;
 
+template <typename T>
+using LargeVector = std::vector<T, internal::LargePages<T>>;
+
 /// A symmetric matrix of 7x7 blocks. `off_diagonal[k]` has the rows of edge k's first unknown and
 /// the columns of its second.
 struct BlockMatrix {
-  std::vector<Block> diagonal;
-  std::vector<Block> off_diagonal;
+  LargeVector<Block> diagonal;
+  LargeVector<Block> off_diagonal;
 };
 
 /// Factorises symmetric positive definite matrices of one sparsity pattern: L L^T, right-looking.
@@ -54,11 +58,11 @@ class BlockCholesky {
   std::vector<std::uint32_t> position_of_;       // by unknown
   std::vector<std::uint32_t> begin_;             // of each column's blocks below the diagonal
   std::vector<std::uint32_t> rows_;              // of those blocks, ascending in a column
-  std::vector<std::uint32_t> targets_;           // of each product of two blocks of a column
+  LargeVector<std::uint32_t> targets_;           // of each product of two blocks of a column
   std::vector<Slot> slots_;                      // by edge
-  std::vector<internal::PaddedBlock> blocks_;    // of L, below the diagonal
-  std::vector<internal::PaddedBlock> diagonal_;  // still to be factorised
-  std::vector<internal::RoughBlock> rough_blocks_;
+  LargeVector<internal::PaddedBlock> blocks_;    // of L, below the diagonal
+  LargeVector<internal::PaddedBlock> diagonal_;  // still to be factorised
+  LargeVector<internal::RoughBlock> rough_blocks_;
   std::vector<internal::RoughBlock> rough_inverse_diagonal_;  // of L
 };
 
