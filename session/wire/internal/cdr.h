@@ -19,6 +19,8 @@ struct AtMost {
   Sequence& items;
   std::uint32_t bound;
 };
+template <typename Sequence>
+AtMost(Sequence&, std::uint32_t) -> AtMost<Sequence>;  // clang 14 makes none of aggregates
 
 template <typename T>
 concept Number = std::integral<T> || std::floating_point<T>;
