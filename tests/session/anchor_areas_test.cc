@@ -121,7 +121,7 @@ TEST_F(AnchorAreas, ARoomThatIsReadInPartsIsKnownWhole) {
       content::AnchorRecord& record = records.emplace_back(content::AnchorRecord{
           .id = AnchorId(FormatUuid(UuidFromBits(3, static_cast<std::uint64_t>(i)))),
           .room = RoomId("square")});
-      record.owner = "city";
+      record.owner = "city " + std::to_string(i / 100);  // one may not write so much at once
       record.map_from_anchor = {Eigen::Quaterniond::Identity(), {static_cast<double>(i), 0, 0}};
       record.place =
           TangentPlane(support::MapOrigin()).ToGeo(Point<Map>(static_cast<double>(i), 0, 0));
