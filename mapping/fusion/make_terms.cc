@@ -47,20 +47,23 @@ SubmapTerm MakeSubmapTerm(const FusionSubmap& submap, const std::optional<Sim3>&
   return term;
 }
 
+/// `images`: have room for those of the overlap.
 OverlapTerm MakeOverlapTerm(const Overlap& overlap, std::span<const FusionSubmap> submaps,
-                            std::span<const SubmapTerm> terms, const FusionOptions& options) {
+                            std::span<const SubmapTerm> terms, const FusionOptions& options,
+                            LargeVector<CommonImage>& images) {
   OverlapTerm term{.first = overlap.first, .second = overlap.second, .images = {}};
   const auto chosen =
       SpreadIndices(overlap.images.size(), static_cast<std::size_t>(options.max_shared_images));
-  term.images.reserve(chosen.size());
+  const std::size_t begin = images.size();
   for (const std::uint32_t k : chosen) {
     const SharedImage& image = overlap.images[k];
     const Rigid3& first = submaps[term.first].images[image.in_first].submap_from_camera.rigid();
     const Rigid3& second = submaps[term.second].images[image.in_second].submap_from_camera.rigid();
-    term.images.push_back({first.translation() - terms[term.first].centroid_in_submap,
-                           second.translation() - terms[term.second].centroid_in_submap,
-                           second.rotation() * first.rotation().conjugate()});
+    images.push_back({first.translation() - terms[term.first].centroid_in_submap,
+                      second.translation() - terms[term.second].centroid_in_submap,
+                      second.rotation() * first.rotation().conjugate()});
   }
+  term.images = std::span(images).subspan(begin);
   return term;
 }
 
@@ -74,12 +77,17 @@ FusionTerms MakeTerms(std::span<const FusionSubmap> submaps, std::span<const Ove
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     terms.submaps.push_back(MakeSubmapTerm(submaps[i], places[i], uses_gnss, options));
   }
+  const auto most = static_cast<std::size_t>(options.max_shared_images);
+  std::size_t images = 0;
+  for (const Overlap& overlap : overlaps) images += std::min(overlap.images.size(), most);
+  terms.images.reserve(images);  // where they are, overlaps point
   terms.overlaps.reserve(overlaps.size());
   terms.pairs.reserve(overlaps.size());
   for (const Overlap& overlap : overlaps) {
     if (!places[overlap.first] || !places[overlap.second]) continue;
     terms.pairs.push_back({overlap.first, overlap.second});
-    terms.overlaps.push_back(MakeOverlapTerm(overlap, submaps, terms.submaps, options));
+    terms.overlaps.push_back(
+        MakeOverlapTerm(overlap, submaps, terms.submaps, options, terms.images));
   }
   return terms;
 }

@@ -124,7 +124,7 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
   };
   std::size_t count = 0;
   for (const FusionSubmap& submap : submaps) count += submap.images.size();
-  std::vector<Sighting> sightings;
+  LargeVector<Sighting> sightings;
   sightings.reserve(count);
   for (std::uint32_t s = 0; s < submaps.size(); ++s) {
     for (std::uint32_t i = 0; i < submaps[s].images.size(); ++i) {
@@ -138,7 +138,7 @@ Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps)
     std::uint32_t in_second, in_first;
     auto operator<=>(const Pair&) const = default;
   };
-  std::vector<Pair> pairs;
+  LargeVector<Pair> pairs;
   pairs.reserve(count / 2);  // most shared images are in two submaps
   for (std::size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
     while (end < sightings.size() && sightings[end].image == sightings[begin].image) {

@@ -17,9 +17,6 @@ namespace waymark::mapping {
 using Block = Eigen::Matrix<double, 7, 7>;
 using BlockVector = Eigen::Matrix<double, 7, 1>;
 
-template <typename T>
-using LargeVector = std::vector<T, internal::LargePages<T>>;
-
 /// A symmetric matrix of 7x7 blocks. `off_diagonal[k]` has the rows of edge k's first unknown and
 /// the columns of its second.
 struct BlockMatrix {

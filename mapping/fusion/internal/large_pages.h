@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <new>
+#include <vector>
 
 namespace waymark::mapping::internal {
 
@@ -39,3 +40,10 @@ struct LargePages {
 };
 
 }  // namespace waymark::mapping::internal
+
+namespace waymark::mapping {
+
+template <typename T>
+using LargeVector = std::vector<T, internal::LargePages<T>>;
+
+}  // namespace waymark::mapping

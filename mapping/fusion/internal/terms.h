@@ -47,7 +47,7 @@ struct CommonImage {
 struct OverlapTerm {
   std::uint32_t first;
   std::uint32_t second;
-  std::vector<CommonImage> images;
+  std::span<const CommonImage> images;
   double spread = 1;            ///< expected size of a residual, in sigmas
   Sim3 first_from_second = {};  ///< as its images say; once the spread is estimated
 };
@@ -69,9 +69,14 @@ struct SubmapTerm {
   double scale_sigma = 1;
 };
 
-/// The map's cost, ready to be evaluated.
+/// The map's cost, ready to be evaluated. Not copied, for overlaps point to their images.
 struct FusionTerms {
+  FusionTerms() = default;
+  FusionTerms(FusionTerms&&) = default;
+  FusionTerms& operator=(FusionTerms&&) = default;
+
   std::vector<SubmapTerm> submaps;
+  LargeVector<CommonImage> images;    ///< of all overlaps, in their order
   std::vector<OverlapTerm> overlaps;  ///< of placed submaps only
   std::vector<BlockEdge> pairs;       ///< of each overlap its two submaps, to look through quickly
 };

@@ -39,6 +39,7 @@ Block DifferentiateTwice(const std::function<BlockVector(const Place&)>& gradien
 /// Two places and the images both see; `noise` in metres, a tenth of it in radians.
 struct Pair {
   Place first, second;
+  std::vector<CommonImage> images;
   OverlapTerm term{.first = 0, .second = 1, .images = {}};
 };
 
@@ -52,10 +53,11 @@ Pair MakePair(double noise) {
     const auto arm = [&](const Place& place) -> Eigen::Vector3d {
       return place.MapFromArm().inverse() * (in_map - place.centroid_in_map);
     };
-    pair.term.images.push_back({arm(pair.first), arm(pair.second) + Gaussian3(random, noise),
-                                RotationFromVector(Gaussian3(random, noise / 10)) *
-                                    pair.second.rotation.conjugate() * pair.first.rotation});
+    pair.images.push_back({arm(pair.first), arm(pair.second) + Gaussian3(random, noise),
+                           RotationFromVector(Gaussian3(random, noise / 10)) *
+                               pair.second.rotation.conjugate() * pair.first.rotation});
   }
+  pair.term.images = pair.images;
   return pair;
 }
 
