@@ -178,9 +178,11 @@ Result<std::size_t> SqlStore::Expire(std::int64_t now_utc_ms, std::size_t limit)
 std::vector<Result<WriteOutcome>> SqlStore::Commit(
     const std::vector<const WriteRequest*>& requests) {
   auto outcomes = writer_.Commit(requests);
-  const std::lock_guard lock(committed_mutex_);
-  ++commits_;
-  committed_.notify_all();
+  if (writer_.has_written()) {
+    const std::lock_guard lock(committed_mutex_);
+    ++commits_;
+    committed_.notify_all();
+  }
   return outcomes;
 }
 

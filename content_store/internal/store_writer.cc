@@ -18,6 +18,7 @@ Result<void> StoreWriter::Prepare() {
 
 std::vector<Result<WriteOutcome>> StoreWriter::Commit(
     const std::vector<const WriteRequest*>& requests) {
+  has_written_ = false;
   if (requests.empty()) return {};
   if (const auto ready = Prepare(); !ready) return {requests.size(), ready.error()};
   const auto foreseen = last_commit_.Foresee(requests);
@@ -38,6 +39,7 @@ Result<std::vector<Result<WriteOutcome>>> StoreWriter::CommitOn(
   auto outcomes = connection_->Write([&] { return batch.Run(requests); });
   if (outcomes) {
     last_commit_.Remember(batch);
+    has_written_ = batch.has_written();
   } else {
     batch.ReturnRates();
   }

@@ -21,6 +21,8 @@ class StoreWriter {
 
   /// Applies the requests in order in one transaction and returns their outcomes, committed.
   std::vector<Result<WriteOutcome>> Commit(const std::vector<const WriteRequest*>& requests);
+  /// Whether the latest Commit changed anything.
+  bool has_written() const { return has_written_; }
 
  private:
   Result<void> Prepare();
@@ -31,6 +33,7 @@ class StoreWriter {
   const StoreOptions& options_;
   std::unique_ptr<AnchorTables> connection_;  // absent: it was lost
   bool is_untrusted_ = false;
+  bool has_written_ = false;
   RateLimit rates_{options_.limits};
   LastCommit last_commit_;
 };
