@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "mapping/geometry/lens_kind.h"
+#include "mapping/geometry/resized_camera.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -22,10 +22,6 @@ bool IsNear(double focal_px, double stated_px) {
 Eigen::Vector2d Tangential(const CameraModel& camera) {
   if (camera.kind() != CameraKind::kOpenCv) return Eigen::Vector2d::Zero();
   return {camera.parameters()[6], camera.parameters()[7]};
-}
-
-bool HasTwoFocals(CameraKind kind) {
-  return kind == CameraKind::kPinhole || kind == CameraKind::kOpenCv;
 }
 
 /// Pixels of `stated` per pixel of `mapped`, were its pictures resized.
@@ -56,27 +52,14 @@ bool IsTheSame(const CameraModel& stated, const CameraModel& mapped) {
          IsNear(by.y() * mapped.FocalY(), stated.FocalY());
 }
 
-/// The mapped lens behind the stated picture.
-CameraModel Resized(const CameraModel& mapped, const CameraModel& stated) {
-  const Eigen::Vector2d by = ResizedBy(stated, mapped);
-  std::vector<double> parameters(mapped.parameters().begin(), mapped.parameters().end());
-  const bool has_two_focals = HasTwoFocals(mapped.kind());
-  const std::size_t centre = has_two_focals ? 2 : 1;
-  parameters[0] *= by.x();
-  if (has_two_focals) parameters[1] *= by.y();
-  parameters[centre] = stated.PrincipalPoint().x();
-  parameters[centre + 1] = stated.PrincipalPoint().y();
-  const auto resized =
-      CameraModel::Create(mapped.kind(), stated.width_px(), stated.height_px(), parameters);
-  return resized ? *resized : stated;
-}
-
 }  // namespace
 
 CameraModel MappedLens(const CameraModel& stated, std::span<const CameraModel> mapped) {
   const auto same = std::ranges::find_if(
       mapped, [&](const CameraModel& camera) { return IsTheSame(stated, camera); });
-  return same == mapped.end() ? stated : Resized(*same, stated);
+  if (same == mapped.end()) return stated;
+  return WithPrincipalPoint(ResizeCamera(*same, stated.width_px(), stated.height_px()),
+                            stated.PrincipalPoint());
 }
 
 }  // namespace waymark::localiser::internal

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapping/geometry/lens_kind.h"
+
 namespace waymark {
 namespace {
 
@@ -29,10 +31,6 @@ const KindEntry& Entry(CameraKind kind) {
       std::find_if(kKinds.begin(), kKinds.end(), [&](const auto& e) { return e.kind == kind; });
   CHECK(entry != kKinds.end());
   return *entry;
-}
-
-bool HasTwoFocals(CameraKind kind) {
-  return kind == CameraKind::kPinhole || kind == CameraKind::kOpenCv;
 }
 
 }  // namespace

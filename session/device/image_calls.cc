@@ -4,6 +4,7 @@
 
 #include "mapping/base/log.h"
 #include "mapping/features/feature_codec.h"
+#include "mapping/geometry/resized_camera.h"
 #include "session/device/internal/live_session.h"
 #include "session/device/jpeg.h"
 

@@ -2,7 +2,6 @@
 #include "session/device/jpeg.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -42,20 +41,6 @@ Result<EncodedImage> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_
     return MakeError(ErrorCode::kUnavailable, "frame: JPEG encoding failed: {}", exception.what());
   }
   return MakeError(ErrorCode::kUnavailable, "frame: JPEG encoding failed");
-}
-
-CameraModel ResizeCamera(const CameraModel& camera, int width_px, int height_px) {
-  const double x = static_cast<double>(width_px) / camera.width_px();
-  const double y = static_cast<double>(height_px) / camera.height_px();
-  std::vector<double> parameters(camera.parameters().begin(), camera.parameters().end());
-  const bool has_two =
-      camera.kind() == CameraKind::kPinhole || camera.kind() == CameraKind::kOpenCv;
-  // Sizes are whole pixels, so that the two scales differ by a hair.
-  parameters[0] *= has_two ? x : std::sqrt(x * y);
-  if (has_two) parameters[1] *= y;
-  parameters[has_two ? 2 : 1] *= x;
-  parameters[has_two ? 3 : 2] *= y;
-  return *CameraModel::Create(camera.kind(), width_px, height_px, parameters);
 }
 
 }  // namespace waymark::session

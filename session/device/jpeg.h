@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mapping/base/result.h"
-#include "mapping/geometry/camera_model.h"
 
 namespace waymark::session {
 
@@ -28,8 +27,5 @@ struct EncodedImage {
 /// Errors: InvalidArgument for a size that does not match the pixels, Unavailable if it fails.
 Result<EncodedImage> EncodeJpeg(std::span<const std::uint8_t> pixels, int width_px, int height_px,
                                 const ImageSize& size);
-
-/// The camera of the same picture in another size.
-CameraModel ResizeCamera(const CameraModel& camera, int width_px, int height_px);
 
 }  // namespace waymark::session

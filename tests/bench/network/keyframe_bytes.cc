@@ -10,6 +10,7 @@
 
 #include "localiser/localiser.h"
 #include "mapping/features/feature_codec.h"
+#include "mapping/geometry/resized_camera.h"
 #include "session/device/jpeg.h"
 #include "session/server/map_localiser.h"
 #include "tests/bench/network/drive_map.h"
@@ -90,9 +91,9 @@ class Measurement {
                        session::EncodeJpeg(picture.image.pixels, picture.image.width_px,
                                            picture.image.height_px, size));
     if (bytes != nullptr) *bytes += static_cast<double>(encoded.jpeg.size());
-    return localise_(
-        Query(picture, session::ResizeCamera(picture.camera, encoded.width_px, encoded.height_px),
-              std::move(encoded.jpeg)));
+    return localise_(Query(picture,
+                           ResizeCamera(picture.camera, encoded.width_px, encoded.height_px),
+                           std::move(encoded.jpeg)));
   }
 
   session::LocaliseFunction localise_;
