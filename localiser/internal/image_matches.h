@@ -5,8 +5,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include "mapping/base/median.h"
 #include "mapping/estimation/upright_pose.h"
 #include "mapping/geometry/camera_model.h"
 #include "mapping/geometry/rigid3.h"
@@ -31,6 +34,16 @@ struct ImageMatches {
     quality.push_back(from.quality[i]);
     landmarks.push_back(from.landmarks[i]);
     if (image) images.push_back(*image);
+  }
+
+  /// From a camera there to the landmarks of some of them.
+  double MedianDistance(std::span<const std::uint32_t> chosen,
+                        const Eigen::Vector3d& camera_in_submap) const {
+    std::vector<double> distances;
+    for (const std::uint32_t i : chosen) {
+      distances.push_back((points_in_submap[i] - camera_in_submap).norm());
+    }
+    return Median(std::move(distances));
   }
 };
 

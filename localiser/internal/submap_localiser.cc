@@ -11,7 +11,6 @@
 #include "localiser/internal/look_alike.h"
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/stated_covariance.h"
-#include "mapping/base/median.h"
 #include "mapping/base/stopwatch.h"
 #include "mapping/matching/representatives.h"
 
@@ -57,16 +56,6 @@ Entries ChooseEntries(std::span<const mapping::Descriptor> descriptors,
     }
   }
   return entries;
-}
-
-/// From the camera to the inlying landmarks.
-double MedianDistance(const ImageMatches& matches, const mapping::AbsolutePose& pose) {
-  std::vector<double> distances;
-  for (const std::uint32_t inlier : pose.inliers) {
-    distances.push_back(
-        (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
-  }
-  return Median(std::move(distances));
 }
 
 LandmarkSearch MakeSearch(std::span<const mapping::Descriptor> descriptors,
@@ -141,7 +130,8 @@ void SubmapLocaliser::EstimatePose(const ImageSenses& senses, SubmapAnswer& answ
         fmt::format("no pose agrees with {} of {} matches", options_.min_inliers, matches.size());
   } else {
     mapping::AbsolutePose& pose = **estimated;
-    answer.median_distance_m = MedianDistance(matches, pose);
+    answer.median_distance_m =
+        matches.MedianDistance(pose.inliers, pose.world_from_camera.translation());
     pose.covariance = StatedCovariance(pose.covariance, senses.camera, answer.median_distance_m);
     if (auto refusal = Judge(senses.camera, pose, answer)) {
       answer.refusal = *std::move(refusal);

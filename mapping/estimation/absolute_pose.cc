@@ -39,7 +39,7 @@ std::optional<RefinedPose> RefineWithDoubtfulFocal(const CameraModel& camera,
   options.focal_sigma_share = focal_sigma_share;
   const auto free =
       RefinePose(camera, pixels_px, points_in_world, inliers, stated->world_from_camera, options);
-  if (!free || !IsFocalMuchBetter(free->weighted_squares, stated->weighted_squares)) return stated;
+  if (!free || !IsMuchBetter(free->weighted_squares, stated->weighted_squares)) return stated;
   return free;
 }
 

@@ -24,7 +24,7 @@ double RobustSigmaPx(std::vector<double> lengths_px) {
 // By its freedom alone it would triple the error of the pose. On 105 simulated views with exact
 // intrinsics it explained at most 4 % of the squares; on 25 real ones stated 2.5 % wrong, at least
 // 75 %.
-bool IsFocalMuchBetter(double free_squares, double stated_squares) {
+bool IsMuchBetter(double free_squares, double stated_squares) {
   constexpr double kMuchBetter = 0.8;
   return free_squares <= kMuchBetter * stated_squares;
 }

@@ -21,9 +21,9 @@ inline constexpr int kRefinementRounds = 4;
 /// claiming an exact pose.
 double RobustSigmaPx(std::vector<double> lengths_px);
 
-/// Whether another focal length than the stated one is to be taken, from the weighted squares that
-/// each leaves.
-bool IsFocalMuchBetter(double free_squares, double stated_squares);
+/// Whether another focal length or metre than the stated one is to be taken, from the weighted
+/// squares that each leaves.
+bool IsMuchBetter(double free_squares, double stated_squares);
 
 /// After so many draws a pose with the least inliers asked for would have been found, if there were
 /// one; twice, because samples carry noise.

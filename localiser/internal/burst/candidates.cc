@@ -36,7 +36,7 @@ SubmapAnswer FindMatches(const OpenSubmap& submap, const AskedBurst& burst,
 // Sightings of one landmark share its error.
 void InflateForRepetition(const BurstEvidence& evidence, mapping::AbsolutePose& pose) {
   pose.covariance *=
-      static_cast<double>(pose.inliers.size()) / static_cast<double>(evidence.landmarks);
+      static_cast<double>(pose.inliers.size()) / static_cast<double>(evidence.landmarks());
 }
 
 /// What the pose rests on; nullopt: there is none, or it is refused.
@@ -57,14 +57,14 @@ std::optional<BurstEvidence> EstimatePose(const OpenSubmap& submap, const AskedB
   InflateForRepetition(evidence, pose);
   pose.covariance =
       StatedCovariance(pose.covariance, cameras.back().camera, evidence.median_distance);
-  if (auto refusal = FindReasonToRefuseBurst(cameras, answer.matches, pose, options.min_inliers,
-                                             options.max_error_px)) {
+  if (auto refusal = FindReasonToRefuseBurst(cameras, answer.matches, pose, evidence,
+                                             options.min_inliers, options.max_error_px)) {
     answer.refusal = *std::move(refusal);
   } else if (auto lens = FindLensContradiction(pose.inliers.size(), pose.focal_factor,
                                                options.focal_sigma_share)) {
     answer.refusal = *std::move(lens);
   } else if (auto scale =
-                 FindScaleContradiction(evidence.landmarks, submap_from_vo->odometry_scale)) {
+                 FindScaleContradiction(evidence.landmarks(), submap_from_vo->odometry_scale)) {
     answer.refusal = *std::move(scale);
   } else {
     answer.submap_from_camera = std::move(pose);
@@ -113,7 +113,7 @@ std::vector<Candidate> AskBurst(std::span<const OpenSubmap> near, const AskedBur
     const auto evidence = EstimatePose(submap, burst, options, answer);
     Candidate candidate = CarryToMap(submap, std::move(answer), burst.last(), options);
     if (candidate.pose) {
-      candidate.pose->inliers = static_cast<int>(evidence->landmarks);
+      candidate.pose->inliers = static_cast<int>(evidence->landmarks());
       candidate.pose->images = static_cast<int>(evidence->images);
     }
     candidates.push_back(std::move(candidate));

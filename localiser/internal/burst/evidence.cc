@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "localiser/internal/pose_acceptance.h"
-#include "mapping/base/median.h"
 
 namespace waymark::localiser::internal {
 namespace {
@@ -51,16 +50,11 @@ std::size_t CountParts(const CameraModel& camera, const ImageMatches& matches,
 
 BurstEvidence CountEvidence(const ImageMatches& matches, const mapping::AbsolutePose& pose) {
   BurstEvidence evidence{.inliers = OnePerLandmark(matches, pose)};
-  evidence.landmarks = evidence.inliers.size();
   std::set<std::uint32_t> images;
   for (const std::uint32_t inlier : pose.inliers) images.insert(matches.images[inlier]);
-  std::vector<double> distances;
-  for (const std::uint32_t inlier : evidence.inliers) {
-    distances.push_back(
-        (matches.points_in_submap[inlier] - pose.world_from_camera.translation()).norm());
-  }
   evidence.images = images.size();
-  evidence.median_distance = Median(std::move(distances));
+  evidence.median_distance =
+      matches.MedianDistance(evidence.inliers, pose.world_from_camera.translation());
   return evidence;
 }
 
@@ -73,11 +67,11 @@ std::optional<std::string> FindScaleContradiction(std::size_t landmarks, double 
 std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> cameras,
                                                    const ImageMatches& matches,
                                                    const mapping::AbsolutePose& pose,
-                                                   int min_landmarks, double max_error_px) {
-  const BurstEvidence evidence = CountEvidence(matches, pose);
-  if (evidence.landmarks < static_cast<std::size_t>(min_landmarks)) {
-    return fmt::format("the inliers show {} landmarks, at least {} are needed", evidence.landmarks,
-                       min_landmarks);
+                                                   const BurstEvidence& evidence, int min_landmarks,
+                                                   double max_error_px) {
+  if (evidence.landmarks() < static_cast<std::size_t>(min_landmarks)) {
+    return fmt::format("the inliers show {} landmarks, at least {} are needed",
+                       evidence.landmarks(), min_landmarks);
   }
   const std::set<std::uint32_t> landmarks(matches.landmarks.begin(), matches.landmarks.end());
   double chance = 0;  // of each landmark, however often it was matched
@@ -86,7 +80,7 @@ std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> 
   }
   return FindReasonToRefuse(
       CountedEvidence{.matches = landmarks.size(),
-                      .inliers = evidence.landmarks,
+                      .inliers = evidence.landmarks(),
                       .chance = chance / static_cast<double>(landmarks.size()),
                       .parts = CountParts(cameras.back().camera, matches, pose, evidence.inliers),
                       .position_covariance = pose.covariance.topLeftCorner<3, 3>(),

@@ -17,8 +17,8 @@ namespace waymark::localiser::internal {
 /// mistaken about it once will be again, so landmarks are counted, not matches.
 struct BurstEvidence {
   std::vector<std::uint32_t> inliers;  ///< the first of each landmark
-  std::size_t landmarks = 0;           ///< that inliers show
-  std::size_t images = 0;              ///< that show inliers
+  std::size_t landmarks() const { return inliers.size(); }
+  std::size_t images = 0;      ///< that show inliers
   double median_distance = 0;  ///< from the last image to those landmarks, in the submap's units
 };
 
@@ -31,7 +31,8 @@ BurstEvidence CountEvidence(const ImageMatches& matches, const mapping::Absolute
 std::optional<std::string> FindReasonToRefuseBurst(std::span<const BurstCamera> cameras,
                                                    const ImageMatches& matches,
                                                    const mapping::AbsolutePose& pose,
-                                                   int min_landmarks, double max_error_px);
+                                                   const BurstEvidence& evidence, int min_landmarks,
+                                                   double max_error_px);
 
 /// Whether the metre that a burst's inliers fit with is nearly odometry's: few landmarks bend to an
 /// odometry that is wrong. nullopt: it is.

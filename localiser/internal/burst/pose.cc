@@ -46,7 +46,7 @@ std::optional<RefinedBurst> RefineWithDoubtfulFocal(std::span<const BurstCamera>
   refining.focal_sigma_share = options.focal_sigma_share;
   auto free = RefineBurst(cameras, matches, chosen, stated->state, refining);
   const bool is_free_better =
-      free && mapping::IsFocalMuchBetter(free->weighted_squares, stated->weighted_squares);
+      free && mapping::IsMuchBetter(free->weighted_squares, stated->weighted_squares);
   return is_free_better ? free : stated;
 }
 
@@ -78,7 +78,7 @@ double ScaleOfMatches(std::span<const BurstCamera> cameras, const ImageMatches& 
                                  .scale_sigma_share = 1,
                                  .pixel_sigma_px = sigma_px});
   const bool is_free_better =
-      free && mapping::IsFocalMuchBetter(free->weighted_squares, refined.weighted_squares);
+      free && mapping::IsMuchBetter(free->weighted_squares, refined.weighted_squares);
   return is_free_better ? free->state.scale : refined.state.scale;
 }
 
