@@ -20,18 +20,15 @@ void AreaDesk::BeginAnew() {
   next_ = Instant::min();
 }
 
-bool AreaDesk::IsNewDue(const Eigen::Vector2d& position_m, bool is_complete, Instant now) const {
-  if (is_anew_ || !report_) return true;
-  if (answered_at_ && !is_complete && now - *answered_at_ > kPatience) return true;
+bool AreaDesk::HasWalked(const Eigen::Vector2d& position_m) const {
   const double walked_m = (position_m - report_->area.centre_m).norm();
   return walked_m > std::max(kMinWalked_m, kWalked * radius_m_);
 }
 
 std::optional<AreaReport> AreaDesk::TakeDue(const Eigen::Vector2d& position_m, bool is_complete,
                                             Instant now) {
-  if (radius_m_ <= 0 || now < next_) return std::nullopt;
-  if (IsNewDue(position_m, is_complete, now)) {
-    const bool is_lost = answered_at_ && !is_complete && now - *answered_at_ > kPatience;
+  const bool is_lost = answered_at_ && !is_complete && now - *answered_at_ > kPatience;
+  if (is_anew_ || is_lost || HasWalked(position_m)) {
     // What was asked anew and is not answered may not have been heard.
     const bool was_anew = report_ && report_->is_anew && !answered_at_;
     report_ = AreaReport{.number = ++number_,
@@ -39,11 +36,9 @@ std::optional<AreaReport> AreaDesk::TakeDue(const Eigen::Vector2d& position_m, b
                          .is_anew = is_anew_ || is_lost || was_anew};
     answered_at_.reset();
     is_anew_ = false;
-  } else if (answered_at_) {
-    return std::nullopt;
   }
   next_ = now + (answered_at_ ? kMinInterval : kRepeat);
-  return report_;
+  return answered_at_ ? std::nullopt : report_;
 }
 
 void AreaDesk::On(const AreaState& state, Instant now) {

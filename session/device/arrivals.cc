@@ -69,7 +69,7 @@ std::optional<Eigen::Vector2d> LiveSession::About() const {
 }
 
 void LiveSession::SayArea(Instant now) {
-  if (!join_.IsConnected() || areas_.scope() == AnchorScope::kRoom) return;
+  if (!join_.IsConnected() || !areas_.IsLookDue(now)) return;
   const auto position_m = About();
   if (!position_m) return;
   auto report = areas_.TakeDue(*position_m, view_.HasSnapshot(), now);

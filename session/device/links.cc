@@ -3,6 +3,7 @@
 
 #include <charconv>
 
+#include "session/device/internal/area_desk.h"
 #include "session/device/internal/socket_link.h"
 #include "session/wire/device_bus.h"
 
@@ -19,11 +20,10 @@ Result<std::unique_ptr<wire::DeviceLink>> MakeBus(const DeviceOptions& options,
                                 .server = options.server,
                                 .security_folder = options.security_folder,
                                 .transmit_loss_per_mille = options.transmit_loss_per_mille}));
-  WAYMARK_TRY_ASSIGN(auto bus,
-                     wire::DeviceBus::Create(
-                         std::make_shared<dds::Participant>(std::move(participant)), options.room,
-                         device, std::move(handler),
-                         options.anchor_radius_m > 0 ? AnchorScope::kArea : AnchorScope::kRoom));
+  WAYMARK_TRY_ASSIGN(
+      auto bus, wire::DeviceBus::Create(std::make_shared<dds::Participant>(std::move(participant)),
+                                        options.room, device, std::move(handler),
+                                        AreaDesk(options.anchor_radius_m).scope()));
   return std::unique_ptr<wire::DeviceLink>(std::move(bus));
 }
 

@@ -115,10 +115,8 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
   if (state.run != state_.run) {
     const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
     std::erase_if(presences_, is_over);
-    for (const auto& [anchor, word] : anchors_) {
-      if (word.run != state.run) TellOfAnchor(anchor_relay_.Remove(anchor), nullptr);
-    }
     std::erase_if(anchors_, is_over);
+    anchor_relay_.ForgetOtherRuns(state.run);
     for (auto& [owner, words] : own_) std::erase_if(words.anchors, is_over);
     if (map_.run != state.run) map_ = {};
   }

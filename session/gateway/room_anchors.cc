@@ -15,13 +15,12 @@ void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
   TellOfAnchor(anchor_relay_.Remove(gone.anchor), frame);
 }
 
-/// Who hears of it; nobody does without a frame.
 void Room::TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFrame& frame) {
   for (const auto& [phone, pose_listener] : phones_) {
-    if (frame && !by_area_.contains(phone)) phone->Tell(frame, std::nullopt);
+    if (!by_area_.contains(phone)) phone->Tell(frame, std::nullopt);
   }
   for (auto& [phone, listener] : by_area_) {
-    if (listener.Concerns(change) && frame) phone->Tell(frame, std::nullopt);
+    if (listener.Concerns(change)) phone->Tell(frame, std::nullopt);
   }
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/server/internal/server_loop.h"
 
-#include <iterator>
 #include <random>
 #include <utility>
 
@@ -112,10 +111,10 @@ void Server::Loop::Work() {
   using std::chrono::steady_clock;
   steady_clock::time_point next_tick = steady_clock::now() + tick_;
   while (!is_stopping_) {
-    for (Item& item : inbox_.TakeAll(loading_.empty() ? next_tick : steady_clock::now())) {
+    for (Item& item : inbox_.TakeAll(loading_.IsEmpty() ? next_tick : steady_clock::now())) {
       Handle(item);
     }
-    LoadSome();
+    if (!loading_.IsEmpty()) Apply(loading_.Next());
     if (steady_clock::now() < next_tick) continue;
     Apply(event::Ticked{});
     publisher_->Tend(Now());
@@ -135,7 +134,7 @@ void Server::Loop::Handle(Item& item) {
           On(content, item.arrived);
         } else if constexpr (std::is_same_v<Content, Event>) {
           auto* const loaded = std::get_if<event::RoomLoaded>(&content);
-          loaded ? loading_.push_back(std::move(*loaded)) : Apply(content);
+          loaded ? loading_.Add(std::move(*loaded)) : Apply(content);
         } else if constexpr (std::is_same_v<Content, LocaliseAnswer>) {
           Deliver(content);
         } else {
@@ -143,22 +142,6 @@ void Server::Loop::Handle(Item& item) {
         }
       },
       item.content);
-}
-
-/// The anchors of a large room are shown some at a time, lest all other rooms wait for them.
-void Server::Loop::LoadSome() {
-  constexpr std::ptrdiff_t kAtOnce = 500;
-  if (loading_.empty()) return;
-  event::RoomLoaded& loaded = loading_.front();
-  if (std::ssize(loaded.anchors) > kAtOnce) {
-    const auto first = loaded.anchors.end() - kAtOnce;
-    event::RoomPartLoaded part{
-        loaded.room, {std::move_iterator(first), std::move_iterator(loaded.anchors.end())}};
-    loaded.anchors.erase(first, loaded.anchors.end());
-    return Apply(std::move(part));
-  }
-  Apply(std::move(loaded));
-  loading_.pop_front();
 }
 
 void Server::Loop::On(Hello hello, ServerTime) {

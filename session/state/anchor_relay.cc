@@ -63,6 +63,14 @@ AnchorRelay::Change AnchorRelay::Remove(const AnchorId& anchor) {
   return change;
 }
 
+void AnchorRelay::ForgetOtherRuns(RunId run) {
+  std::erase_if(anchors_, [&](const auto& entry) {
+    if (entry.second.run == run) return false;
+    TakeOut(entry.first, entry.second);
+    return true;
+  });
+}
+
 void AnchorRelay::Expect(RunId run, std::size_t count, std::uint64_t digest) {
   expected_ = {run, Tally{count, digest}};
 }

@@ -39,6 +39,8 @@ class AnchorRelay {
 
   Change Put(const AnchorState& state);
   Change Remove(const AnchorId& anchor);
+  /// What was said in other runs of the server no longer holds, and nobody is told of its end.
+  void ForgetOtherRuns(RunId run);
   /// How many the room holds. What is told of areas waits until those that are known are these.
   void Expect(RunId run, std::size_t count, std::uint64_t digest);
   bool IsComplete() const;

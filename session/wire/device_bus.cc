@@ -13,11 +13,11 @@ struct UpWriters {
   dds::Writer commands;
   dds::Writer pings;
   dds::Writer room_commands;
-  dds::Writer areas;
+  std::optional<dds::Writer> areas;  // of a device that asks for them
 };
 
 Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& room,
-                                const DeviceId& device) {
+                                const DeviceId& device, AnchorScope scope) {
   const std::string partition = UpPartition(room, device);
   WAYMARK_TRY_ASSIGN(auto hello, MakeWriter<Hello>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseReport>(participant, partition));
@@ -25,7 +25,10 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
   WAYMARK_TRY_ASSIGN(auto commands, MakeWriter<AnchorCommand>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto pings, MakeWriter<ClockPing>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto room_commands, MakeWriter<RoomCommand>(participant, partition));
-  WAYMARK_TRY_ASSIGN(auto areas, MakeWriter<AreaReport>(participant, partition));
+  std::optional<dds::Writer> areas;
+  if (scope == AnchorScope::kArea) {
+    WAYMARK_TRY_ASSIGN(areas, MakeWriter<AreaReport>(participant, partition));
+  }
   return UpWriters{std::move(hello),    std::move(poses), std::move(queries),
                    std::move(commands), std::move(pings), std::move(room_commands),
                    std::move(areas)};
@@ -53,7 +56,7 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
                                                      const RoomId& room, const DeviceId& device,
                                                      Handler handler, AnchorScope scope) {
   WAYMARK_TRY(CheckIdentity(room, device));
-  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device));
+  WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device, scope));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
   WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), handler));
@@ -75,7 +78,10 @@ Result<void> DeviceBus::Send(Upward message) {
     Result<void> operator()(const AnchorCommand& m) { return Write(impl.writers.commands, m); }
     Result<void> operator()(const ClockPing& m) { return Write(impl.writers.pings, m); }
     Result<void> operator()(const RoomCommand& m) { return Write(impl.writers.room_commands, m); }
-    Result<void> operator()(const AreaReport& m) { return Write(impl.writers.areas, m); }
+    Result<void> operator()(const AreaReport& m) {
+      if (impl.writers.areas) return Write(*impl.writers.areas, m);
+      return MakeError(ErrorCode::kUnsupported, "area: this device hears of the whole room");
+    }
     Result<void> operator()(const Farewell& m) {
       waymark_Hello key{};
       SetId(key.device, m.device);

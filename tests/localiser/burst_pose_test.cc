@@ -139,10 +139,10 @@ TEST_F(BurstPose, EvidenceCountsLandmarksNotSightings) {
   const auto of_last = PoseOfImage(*pose, cameras_, matches_, 2, 0);
   const BurstEvidence evidence = CountEvidence(matches_, of_last);
   EXPECT_EQ(evidence.images, 3U);
-  EXPECT_LT(evidence.landmarks, matches_.size() / 2);
+  EXPECT_LT(evidence.landmarks(), matches_.size() / 2);
   EXPECT_NEAR(evidence.median_distance, 14, 4);
-  EXPECT_EQ(FindReasonToRefuseBurst(cameras_, matches_, of_last, 15, 6), std::nullopt);
-  EXPECT_THAT(*FindReasonToRefuseBurst(cameras_, matches_, of_last, 10000, 6),
+  EXPECT_EQ(FindReasonToRefuseBurst(cameras_, matches_, of_last, evidence, 15, 6), std::nullopt);
+  EXPECT_THAT(*FindReasonToRefuseBurst(cameras_, matches_, of_last, evidence, 10000, 6),
               testing::HasSubstr("landmarks"));
 }
 

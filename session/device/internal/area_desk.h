@@ -17,16 +17,18 @@ class AreaDesk {
   explicit AreaDesk(double radius_m) : radius_m_(radius_m) {}
 
   AnchorScope scope() const { return radius_m_ > 0 ? AnchorScope::kArea : AnchorScope::kRoom; }
+  /// Whether it is time to look where the device stands.
+  bool IsLookDue(Instant now) const { return scope() == AnchorScope::kArea && now >= next_; }
   /// Nothing counts that was told before.
   void BeginAnew();
-  /// What is due to be said of a device that stands there, but for its ticket; counted as said.
-  /// `is_complete`: all that was told of the area is here.
+  /// What is due to be said of a device that stands there, but for its ticket; counted as said. Ask
+  /// when a look is due. `is_complete`: all that was told of the area is here.
   std::optional<AreaReport> TakeDue(const Eigen::Vector2d& position_m, bool is_complete,
                                     Instant now);
   void On(const AreaState& state, Instant now);
 
  private:
-  bool IsNewDue(const Eigen::Vector2d& position_m, bool is_complete, Instant now) const;
+  bool HasWalked(const Eigen::Vector2d& position_m) const;
 
   const double radius_m_;
   std::uint32_t number_ = 0;

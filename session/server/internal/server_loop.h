@@ -3,13 +3,13 @@
 
 #include <atomic>
 #include <chrono>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <thread>
 #include <variant>
 
 #include "session/recording/recorder.h"
+#include "session/server/internal/room_loading.h"
 #include "session/server/publisher.h"
 #include "session/server/server.h"
 #include "session/server/store_workers.h"
@@ -51,7 +51,6 @@ class Server::Loop {
   void On(LocaliseQuery query, ServerTime arrived);
   void On(AreaReport report, ServerTime) { Apply(event::AreaReceived{report}); }
   std::optional<ClockPong> AnswerTo(const ClockPing& ping, ServerTime arrived);
-  void LoadSome();
   void LookAtDoor();
   void GoOver(ServedRelease served);
   void Deliver(LocaliseAnswer& answer);
@@ -67,9 +66,9 @@ class Server::Loop {
   const RunId run_;
   Inbox<Item> inbox_;
   const recording::RecordingHeader begin_;
-  SessionState state_;                     // owned by the loop
-  std::deque<event::RoomLoaded> loading_;  // owned by the loop
-  ServerCounters counters_;                // owned by the loop
+  SessionState state_;       // owned by the loop
+  RoomLoading loading_;      // owned by the loop
+  ServerCounters counters_;  // owned by the loop
   StoreWorkers store_;
   LocalisePool pool_;
   const Role open_role_;
