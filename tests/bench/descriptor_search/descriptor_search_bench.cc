@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <ctime>
 #include <flann/flann.hpp>
 #include <functional>
 
@@ -15,6 +14,7 @@
 #include "mapping/io/submap_file.h"
 #include "mapping/matching/descriptor_matching.h"
 #include "mapping/store/map_directory.h"
+#include "tests/support/processor_time.h"
 
 namespace waymark::localiser {
 namespace {
@@ -30,17 +30,11 @@ struct Flags {
   int features = 2000;
 };
 
-double ThreadMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
 /// Of processor time: searches use one thread.
 double Milliseconds(const std::function<void()>& work) {
-  const double begin_ms = ThreadMs();
+  const double begin_s = support::ThreadTimeS();
   work();
-  return ThreadMs() - begin_ms;
+  return 1e3 * (support::ThreadTimeS() - begin_s);
 }
 
 /// Features of some of the query's images, evenly chosen.

@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <limits>
 
@@ -14,6 +13,7 @@
 #include "mapping/features/internal/sift_kernel_sets.h"
 #include "tests/bench/features/picture_sets.h"
 #include "tests/bench/features/reference_sift.h"
+#include "tests/support/processor_time.h"
 
 namespace waymark::mapping {
 namespace {
@@ -29,20 +29,14 @@ struct Arguments {
   FeatureOptions features;
 };
 
-double ProcessorSeconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// The median over images, milliseconds; the first image is run twice and counted once.
 double MedianMilliseconds(std::size_t images, const std::function<void(std::size_t)>& run) {
   std::vector<double> times;
   run(0);
   for (std::size_t i = 0; i < images; ++i) {
-    const double begin = ProcessorSeconds();
+    const double begin = support::ProcessTimeS();
     run(i);
-    times.push_back(1e3 * (ProcessorSeconds() - begin));
+    times.push_back(1e3 * (support::ProcessTimeS() - begin));
   }
   std::nth_element(times.begin(), times.begin() + times.size() / 2, times.end());
   return times[times.size() / 2];

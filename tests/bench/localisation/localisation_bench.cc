@@ -16,16 +16,10 @@
 #include "tests/evaluation/localisation/conditions.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
 #include "tests/evaluation/localisation/workshop.h"
+#include "tests/support/processor_time.h"
 
 namespace waymark::evaluation {
 namespace {
-
-/// Processor time of this thread: what a request costs, whoever else is at work.
-double ThreadMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 double Quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -103,10 +97,10 @@ Result<void> Run(const ConditionsPlan& plan, const Flags& flags) {
   WAYMARK_TRY_ASSIGN(const mapping::Release release, MapStreet(plan, flags, workshop));
   WAYMARK_TRY_ASSIGN(const AskedPictures asked, DrawQuestions(plan, workshop));
   WAYMARK_TRY_ASSIGN(const mapping::MapDirectory map, OpenWorkshopMap(workshop));
-  const double opening_ms = ThreadMs();
+  const double opening_s = support::ThreadTimeS();
   WAYMARK_TRY_ASSIGN(const auto localiser,
                      localiser::Localiser::Create(map, release, flags.localiser));
-  fmt::print("opened in {:.1f} s of this thread\n", 1e-3 * (ThreadMs() - opening_ms));
+  fmt::print("opened in {:.1f} s of this thread\n", support::ThreadTimeS() - opening_s);
 
   Stage features{"features"}, search{"search"}, pose{"pose"}, both{"search and pose"},
       whole{"all three"};
@@ -114,9 +108,9 @@ Result<void> Run(const ConditionsPlan& plan, const Flags& flags) {
   std::size_t feature_count = 0;
   for (std::size_t i = 0; i < asked.questions.size(); ++i) {
     const Question& question = asked.questions[i];
-    const double begin_ms = ThreadMs();
+    const double begin_s = support::ThreadTimeS();
     const localiser::Localisation answer = localiser->Localise(question.request);
-    const double spent_ms = ThreadMs() - begin_ms;
+    const double spent_ms = 1e3 * (support::ThreadTimeS() - begin_s);
     verdicts.push_back(Judge(question, answer));
     feature_count += std::get<mapping::ImageFeatures>(question.request.image).keypoints.size();
     // Inside, stages know wall time only: their shares divide the processor time.
@@ -126,10 +120,10 @@ Result<void> Run(const ConditionsPlan& plan, const Flags& flags) {
     both.milliseconds.push_back(spent_ms);
     if (i % static_cast<std::size_t>(flags.pixels_every) != 0) continue;
     WAYMARK_TRY_ASSIGN(const mapping::GrayImage image, LoadGrayPicture(asked.pictures[i].path));
-    const double extraction_ms = ThreadMs();
+    const double extraction_s = support::ThreadTimeS();
     WAYMARK_TRY_ASSIGN(const auto extracted,
                        mapping::ExtractFeatures(image, flags.localiser.features));
-    features.milliseconds.push_back(ThreadMs() - extraction_ms);
+    features.milliseconds.push_back(1e3 * (support::ThreadTimeS() - extraction_s));
     whole.milliseconds.push_back(features.milliseconds.back() + spent_ms);
   }
   std::vector<double> inliers, errors_m;
@@ -141,8 +135,9 @@ Result<void> Run(const ConditionsPlan& plan, const Flags& flags) {
   const Recall recall = Count(verdicts);
   const std::size_t requests = verdicts.size();
   fmt::print("{} submaps, {} requests of {} features on average; {} localised, {} of them false\n",
-             localiser->submap_count(), requests, feature_count / std::max<std::size_t>(1, requests),
-             recall.accepted, recall.false_poses);
+             localiser->submap_count(), requests,
+             feature_count / std::max<std::size_t>(1, requests), recall.accepted,
+             recall.false_poses);
   fmt::print("median {:.0f} inliers, off by {:.1f} cm\n", Quantile(inliers, 0.5),
              100 * Quantile(errors_m, 0.5));
   fmt::print("{:<22} {:>8} {:>8} {:>8}\n", "processor time, ms", "p50", "p90", "p99");

@@ -8,13 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <random>
 #include <vector>
 
 #include "mapping/base/file.h"
 #include "mapping/io/submap_file.h"
+#include "tests/support/processor_time.h"
 #include "tests/support/temporary_root.h"
 
 namespace waymark::mapping {
@@ -52,19 +52,12 @@ SubmapModel MakeModel(double megabytes) {
   return model;
 }
 
-/// As other work on the machine does not count.
-double ProcessorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
 void Measure(const std::filesystem::path& path, SubmapReading reading, int times) {
   std::vector<double> milliseconds;
   for (int i = 0; i < times; ++i) {
-    const double begin_ms = ProcessorMs();
+    const double begin_s = support::ProcessTimeS();
     const auto view = SubmapView::Open(path, reading);
-    const double took_ms = ProcessorMs() - begin_ms;
+    const double took_ms = 1e3 * (support::ProcessTimeS() - begin_s);
     if (!view) {
       fmt::print(stderr, "{}\n", ToString(view.error()));
       std::exit(1);

@@ -2,21 +2,15 @@
 #include "tests/evaluation/phone/phone_trial.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "session/device/pose_tracker.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
+#include "tests/support/processor_time.h"
 
 namespace waymark::evaluation {
 namespace {
 
 constexpr std::uint64_t kWalkSeeds = 7000;  // phones meet other traffic than the car did
-
-double ProcessorMs() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 DeviceTime At(double time_s) {
   return FromNanoseconds<DeviceTime>(static_cast<std::int64_t>(1e9 * (1000 + time_s)));
@@ -63,10 +57,10 @@ class Walk {
   Result<PhoneTrial> Run() {
     std::size_t next_shot = 0;
     for (const simulator::OdometrySample& sample : recording_.odometry) {
-      const double before_ms = ProcessorMs();
+      const double before_s = support::ThreadTimeS();
       TakeAnswers(sample.time_s);
       tracker_.PushOdometry(sample.vo_from_device, At(sample.time_s));
-      Look(sample, ProcessorMs() - before_ms);
+      Look(sample, 1e3 * (support::ThreadTimeS() - before_s));
       if (next_shot < recording_.shots.size() &&
           recording_.shots[next_shot].time_s <= sample.time_s) {
         WAYMARK_TRY(Ask(next_shot, sample));

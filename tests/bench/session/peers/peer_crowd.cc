@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/session/peers/peer_crowd.h"
 
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/tcp.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -14,6 +11,7 @@
 #include <thread>
 
 #include "session/wire/frames.h"
+#include "tests/bench/session/byte_stream.h"
 #include "tests/bench/session/walker.h"
 
 namespace waymark::bench {
@@ -26,48 +24,33 @@ namespace {
 constexpr std::chrono::milliseconds kSlice{1};  // as Crowd
 constexpr double kEdge_m = 5;
 
-Result<int> ConnectTo(std::uint16_t port) {
-  const int descriptor = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
-  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    ::close(descriptor);
-    return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: error {}", port, errno);
-  }
-  const int no_delay = 1;
-  ::setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
-  return descriptor;
-}
-
 }  // namespace
 
 struct PeerCrowd::Phone {
-  int descriptor;
+  ByteStream stream;
   int room;
   Ticket ticket;
   Walker walker;
   Bytes waiting = {};  // of a packet that is not whole
+
+  int descriptor() const { return stream.descriptor(); }
 };
 
 PeerCrowd::PeerCrowd(const Protocol& protocol, const Options& options)
     : protocol_(protocol), options_(options), poll_(::epoll_create1(EPOLL_CLOEXEC)) {}
 
-PeerCrowd::~PeerCrowd() {
-  for (const auto& phone : phones_) ::close(phone->descriptor);
-  ::close(poll_);
-}
+PeerCrowd::~PeerCrowd() { ::close(poll_); }
 
 Result<std::unique_ptr<PeerCrowd>> PeerCrowd::Connect(std::uint16_t port, const Protocol& protocol,
                                                       const Options& options) {
   std::unique_ptr<PeerCrowd> crowd(new PeerCrowd(protocol, options));
   for (int i = 0; i < options.phones; ++i) {
-    WAYMARK_TRY_ASSIGN(const int descriptor, ConnectTo(port));
+    WAYMARK_TRY_ASSIGN(ByteStream stream, ByteStream::Connect(port, false));
+    const int descriptor = stream.descriptor();
     const auto number = static_cast<std::uint64_t>(i);
     const int room = i / options.per_room;
     crowd->phones_.push_back(
-        std::make_unique<Phone>(Phone{descriptor, room, Ticket{number + 1},
+        std::make_unique<Phone>(Phone{std::move(stream), room, Ticket{number + 1},
                                       Walker(static_cast<std::uint64_t>(room), number, kEdge_m)}));
     const Bytes greeting = protocol.Greeting(i, room);
     (void)::send(descriptor, greeting.data(), greeting.size(), MSG_NOSIGNAL);
@@ -75,7 +58,7 @@ Result<std::unique_ptr<PeerCrowd>> PeerCrowd::Connect(std::uint16_t port, const 
     if (::recv(descriptor, &letter, 1, MSG_PEEK) != 1) {
       return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: phone {} is not answered", port, i);
     }
-    ::fcntl(descriptor, F_SETFL, O_NONBLOCK);
+    crowd->phones_.back()->stream.SetNonBlocking();
     epoll_event event{.events = EPOLLIN, .data = {.ptr = crowd->phones_.back().get()}};
     ::epoll_ctl(crowd->poll_, EPOLL_CTL_ADD, descriptor, &event);
   }
@@ -87,7 +70,7 @@ void PeerCrowd::Report(std::size_t i) {
   const auto payload =
       wire::EncodeFrame(wire::Upward(PoseReport{phone.ticket, phone.walker.PoseAt(Now())}));
   const Bytes packet = protocol_.Publication(phone.room, payload);
-  (void)::send(phone.descriptor, packet.data(), packet.size(), MSG_NOSIGNAL);
+  (void)::send(phone.descriptor(), packet.data(), packet.size(), MSG_NOSIGNAL);
 }
 
 void PeerCrowd::Listen() {
@@ -97,13 +80,13 @@ void PeerCrowd::Listen() {
     auto& phone = *static_cast<Phone*>(events[static_cast<std::size_t>(i)].data.ptr);
     if (Receive(phone)) continue;
     ++lost_;
-    ::epoll_ctl(poll_, EPOLL_CTL_DEL, phone.descriptor, nullptr);
+    ::epoll_ctl(poll_, EPOLL_CTL_DEL, phone.descriptor(), nullptr);
   }
 }
 
 bool PeerCrowd::Receive(Phone& phone) {
   std::array<std::uint8_t, 64 * 1024> buffer;
-  const ssize_t count = ::recv(phone.descriptor, buffer.data(), buffer.size(), 0);
+  const ssize_t count = ::recv(phone.descriptor(), buffer.data(), buffer.size(), 0);
   if (count <= 0) return count < 0 && (errno == EAGAIN || errno == EINTR);
   std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
   if (!phone.waiting.empty()) {
