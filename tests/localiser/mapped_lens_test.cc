@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <vector>
 
 namespace waymark::localiser::internal {
@@ -41,7 +42,7 @@ TEST(MappedLens, OddSidesAreResizedToRoundedOnes) {
       *CameraModel::Create(CameraKind::kSimplePinhole, 641, 479, std::vector{690.0, 320.5, 239.5})};
   const CameraModel stated =
       *CameraModel::Create(CameraKind::kSimplePinhole, 214, 160, std::vector{234.0, 107.0, 80.0});
-  EXPECT_NEAR(MappedLens(stated, mapped).FocalX(), 690.0 * 214 / 641, 1e-9);
+  EXPECT_NEAR(MappedLens(stated, mapped).FocalX(), 690 * std::sqrt(214.0 / 641 * 160 / 479), 1e-9);
 }
 
 TEST(MappedLens, ACutPictureIsAsStated) {
