@@ -2,15 +2,15 @@
 #include "localiser/internal/coarse_quantiser.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <mutex>
 #include <numeric>
 #include <utility>
 
 #include <flann/flann.hpp>
 
+#include "localiser/internal/top_cells.h"
 #include "mapping/base/check.h"
 #include "mapping/matching/descriptor_matching.h"
 
@@ -20,32 +20,34 @@ namespace {
 using mapping::Descriptor;
 
 constexpr std::size_t kDimensions = std::tuple_size_v<Descriptor>;
-constexpr std::size_t kSamplesPerCell = 24;
+constexpr std::size_t kSamplesPerCell = 64;  // of which FLANN sees a part
+constexpr std::size_t kSamplesPerFirstCell = 12;
 constexpr int kBranching = 16;
-constexpr int kIterations = 8;
+constexpr int kIterations = 4;
+constexpr int kRefinements = 4;
 
 // FLANN draws from std::rand, of which a process has one.
 std::mutex random_mutex;
 
-std::vector<float> SampleEvenly(std::span<const std::span<const Descriptor>> sets,
-                                std::size_t wanted) {
+std::vector<Descriptor> SampleEvenly(std::span<const std::span<const Descriptor>> sets,
+                                     std::size_t wanted) {
   std::size_t all = 0;
   for (const auto& set : sets) all += set.size();
   const std::size_t count = std::min(all, wanted);
-  std::vector<float> samples;
-  samples.reserve(count * kDimensions);
+  std::vector<Descriptor> samples;
+  samples.reserve(count);
   std::size_t set = 0, begin = 0;  // of the set that holds the next sample
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t at = i * all / count;
     while (at - begin >= sets[set].size()) begin += sets[set++].size();
-    const Descriptor& descriptor = sets[set][at - begin];
-    samples.insert(samples.end(), descriptor.begin(), descriptor.end());
+    samples.push_back(sets[set][at - begin]);
   }
   return samples;
 }
 
 // Descriptors lie on a sphere, so dot products rank as distances do once centres lie there too.
-Descriptor OntoSphere(const float* centre) {
+template <typename Number>
+Descriptor OntoSphere(const Number* centre) {
   double squared_norm = 0;
   for (std::size_t i = 0; i < kDimensions; ++i) squared_norm += double{centre[i]} * centre[i];
   const double scale = squared_norm > 0 ? 512 / std::sqrt(squared_norm) : 0;
@@ -57,64 +59,19 @@ Descriptor OntoSphere(const float* centre) {
   return descriptor;
 }
 
-/// Chooses the cells of the largest dot products. The best of each of many strides through the
-/// cells are as many different cells, so the last wanted of those bounds the last wanted of all
-/// from below, and few cells are left to sort.
-class TopCells {
- public:
-  TopCells(std::size_t cells, std::size_t wanted)
-      : wanted_(wanted), is_bounded_(wanted <= kStrides && cells >= 4 * kStrides) {}
+std::vector<float> ToNumbers(std::span<const Descriptor> descriptors) {
+  std::vector<float> numbers;
+  numbers.reserve(descriptors.size() * kDimensions);
+  for (const Descriptor& d : descriptors) numbers.insert(numbers.end(), d.begin(), d.end());
+  return numbers;
+}
 
-  /// Most similar first; ties go to the lower cell.
-  void AppendTo(std::span<const std::int32_t> dots, std::vector<std::uint32_t>& cells) {
-    const std::int32_t bound = is_bounded_ ? Bound(dots) : std::numeric_limits<std::int32_t>::min();
-    order_.clear();
-    for (std::size_t begin = 0; begin < dots.size(); begin += kBlock) {
-      const auto block = dots.subspan(begin, std::min(kBlock, dots.size() - begin));
-      std::int32_t most = block.front();
-      for (const std::int32_t dot : block) most = std::max(most, dot);
-      if (most < bound) continue;
-      for (std::size_t i = 0; i < block.size(); ++i) {
-        if (block[i] < bound) continue;
-        order_.push_back(-std::int64_t{block[i]} * (1LL << 32) +
-                         static_cast<std::int64_t>(begin + i));
-      }
-    }
-    const auto end = order_.begin() + static_cast<std::ptrdiff_t>(wanted_);
-    std::partial_sort(order_.begin(), end, order_.end());
-    for (auto best = order_.begin(); best != end; ++best) {
-      cells.push_back(static_cast<std::uint32_t>(*best));  // the lower half
-    }
-  }
-
- private:
-  static constexpr std::size_t kStrides = 64;
-  static constexpr std::size_t kBlock = 32;
-
-  std::int32_t Bound(std::span<const std::int32_t> dots) {
-    std::copy_n(dots.begin(), kStrides, best_);
-    for (std::size_t begin = kStrides; begin + kStrides <= dots.size(); begin += kStrides) {
-      for (std::size_t i = 0; i < kStrides; ++i) best_[i] = std::max(best_[i], dots[begin + i]);
-    }
-    std::nth_element(best_, best_ + wanted_ - 1, best_ + kStrides, std::greater<>());
-    return best_[wanted_ - 1];
-  }
-
-  std::size_t wanted_;
-  bool is_bounded_;
-  std::int32_t best_[kStrides] = {};
-  std::vector<std::int64_t> order_;
-};
-
-}  // namespace
-
-CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descriptor>> sets,
-                                       std::size_t count, std::uint64_t seed) {
-  CHECK(count > 0);
-  std::vector<float> samples = SampleEvenly(sets, count * kSamplesPerCell);
-  CHECK(!samples.empty(), "{} sets hold no descriptor", sets.size());
+/// FLANN's tree of k-means.
+std::vector<Descriptor> FindFirstCells(std::span<const Descriptor> samples, std::size_t count,
+                                       std::uint64_t seed) {
+  std::vector<float> numbers = ToNumbers(samples);
   std::vector<float> centres(count * kDimensions);
-  const flann::Matrix<float> points(samples.data(), samples.size() / kDimensions, kDimensions);
+  const flann::Matrix<float> points(numbers.data(), samples.size(), kDimensions);
   flann::Matrix<float> rows(centres.data(), count, kDimensions);
   // Of FLANN's ways to choose first centres only this one and Gonzales's obey the seed.
   const int branching = std::min(kBranching, static_cast<int>(std::max<std::size_t>(2, count)));
@@ -126,9 +83,38 @@ CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descripto
     found = flann::hierarchicalClustering<flann::L2<float>>(points, rows, parameters);
   }
   CHECK(found >= 1 && static_cast<std::size_t>(found) <= count, "found {} of {}", found, count);
-  std::vector<Descriptor> representatives;
-  for (int i = 0; i < found; ++i) representatives.push_back(OntoSphere(rows[i]));
-  return CoarseQuantiser(std::move(representatives));
+  std::vector<Descriptor> cells;
+  for (int i = 0; i < found; ++i) cells.push_back(OntoSphere(rows[i]));
+  return cells;
+}
+
+/// Each cell moves to the mean of the samples that are nearest to it, whatever branch of the tree
+/// they came from; one without samples stays.
+void Refine(std::span<const Descriptor> samples, std::vector<Descriptor>& cells) {
+  std::vector<std::array<double, kDimensions>> sums(cells.size());
+  std::vector<bool> has_samples(cells.size());
+  const auto nearest = mapping::FindNearestTwo(samples, cells);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    has_samples[nearest[i].first] = true;
+    for (std::size_t k = 0; k < kDimensions; ++k) sums[nearest[i].first][k] += samples[i][k];
+  }
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    if (has_samples[cell]) cells[cell] = OntoSphere(sums[cell].data());
+  }
+}
+
+}  // namespace
+
+CoarseQuantiser CoarseQuantiser::Train(std::span<const std::span<const Descriptor>> sets,
+                                       std::size_t count, std::uint64_t seed) {
+  CHECK(count > 0);
+  const std::vector<Descriptor> samples = SampleEvenly(sets, count * kSamplesPerCell);
+  CHECK(!samples.empty(), "{} sets hold no descriptor", sets.size());
+  const std::array all{std::span<const Descriptor>(samples)};
+  std::vector<Descriptor> cells =
+      FindFirstCells(SampleEvenly(all, count * kSamplesPerFirstCell), count, seed);
+  for (int i = 0; i < kRefinements; ++i) Refine(samples, cells);
+  return CoarseQuantiser(std::move(cells));
 }
 
 CoarseQuantiser::CoarseQuantiser(std::vector<Descriptor> representatives)
@@ -155,11 +141,17 @@ RankedCells CoarseQuantiser::Rank(std::span<const Descriptor> features, std::siz
                      .visitor_begins = std::vector<std::uint32_t>(size() + 1),
                      .visitors = {}};
   ranked.cells.reserve(features.size() * ranked.per_feature);
-  std::vector<std::int32_t> dots(packed_.size() * kGroupLanes);
+  constexpr std::size_t kTogether = 8;
+  const std::size_t row = packed_.size() * kGroupLanes;
+  std::vector<std::int32_t> dots(kTogether * row);
   TopCells top(size(), ranked.per_feature);
-  for (const Descriptor& feature : features) {
-    ComputeDots(packed_, PackedQuery(feature), dots);
-    top.AppendTo(std::span(dots).first(size()), ranked.cells);
+  for (std::size_t begin = 0; begin < features.size(); begin += kTogether) {
+    const auto some = features.subspan(begin, std::min(kTogether, features.size() - begin));
+    const std::vector<PackedQuery> queries(some.begin(), some.end());
+    ComputeDots(packed_, queries, std::span(dots).first(queries.size() * row));
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      top.AppendTo(std::span(dots).subspan(i * row, size()), ranked.cells);
+    }
   }
   for (const std::uint32_t cell : ranked.cells) ++ranked.visitor_begins[cell + 1];
   std::partial_sum(ranked.visitor_begins.begin(), ranked.visitor_begins.end(),

@@ -36,20 +36,38 @@ WAYMARK_CLONES void MeetPortably(std::span<const DescriptorGroup> groups, std::i
       Dots(groups[g], queries[q], dots);
       for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
         const std::int32_t first = state.first_dot[lane];
-        const bool is_better = dots[lane] > first;
-        state.second_dot[lane] = std::max(state.second_dot[lane], std::min(first, dots[lane]));
+        const std::int32_t second = state.second_dot[lane];
+        const std::int32_t number = first_group + static_cast<std::int32_t>(g);
+        const bool is_first = dots[lane] > first, is_second = dots[lane] > second;
+        state.second_dot[lane] = std::max(second, std::min(first, dots[lane]));
+        state.second_group[lane] = is_first    ? state.first_group[lane]
+                                   : is_second ? number
+                                               : state.second_group[lane];
         state.first_dot[lane] = std::max(first, dots[lane]);
-        if (is_better) state.group[lane] = first_group + static_cast<std::int32_t>(g);
+        state.first_group[lane] = is_first ? number : state.first_group[lane];
       }
     }
   }
 }
 
-WAYMARK_CLONES void DotsPortably(std::span<const DescriptorGroup> groups, const PackedQuery& query,
-                                 std::int32_t* dots) {
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    Dots(groups[g], query, dots + g * kGroupLanes);
+WAYMARK_CLONES void DotsPortably(std::span<const DescriptorGroup> groups,
+                                 std::span<const PackedQuery> queries, std::int32_t* dots) {
+  for (const PackedQuery& query : queries) {
+    for (const DescriptorGroup& group : groups) {
+      Dots(group, query, dots);
+      dots += kGroupLanes;
+    }
   }
+}
+
+std::size_t AtLeastPortably(std::span<const std::int32_t> dots, std::int32_t bound,
+                            std::uint32_t* indices) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < dots.size(); ++i) {
+    indices[found] = static_cast<std::uint32_t>(i);
+    found += dots[i] >= bound ? 1 : 0;
+  }
+  return found;
 }
 
 std::vector<GroupKernel> ListSupported() {
@@ -65,7 +83,7 @@ std::vector<GroupKernel> ListSupported() {
 
 }  // namespace
 
-const GroupKernel kPortableGroupKernel{"portable", MeetPortably, DotsPortably};
+const GroupKernel kPortableGroupKernel{"portable", MeetPortably, DotsPortably, AtLeastPortably};
 
 std::span<const GroupKernel> SupportedGroupKernels() {
   static const std::vector<GroupKernel> kernels = ListSupported();

@@ -15,8 +15,12 @@ struct GroupKernel {
   void (*meet)(std::span<const DescriptorGroup> groups, std::int32_t first_group,
                std::span<const PackedQuery> queries, std::span<const std::uint32_t> chosen,
                std::span<LaneBest> states);
-  void (*dots)(std::span<const DescriptorGroup> groups, const PackedQuery& query,
+  void (*dots)(std::span<const DescriptorGroup> groups, std::span<const PackedQuery> queries,
                std::int32_t* dots);
+  /// Writes the indices of those that reach the bound, in order, and returns how many there are.
+  /// Shapes: room for kGroupLanes more than all.
+  std::size_t (*at_least)(std::span<const std::int32_t> dots, std::int32_t bound,
+                          std::uint32_t* indices);
 };
 
 /// Those that this processor can run, fastest first; the last is the portable one.

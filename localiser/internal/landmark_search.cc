@@ -75,42 +75,44 @@ std::int32_t LandmarkSearch::SearchAnother(const PackedQuery& feature, std::uint
   return best;
 }
 
-// A lane knows whose its best entry is, but not its second best. So the ratio test is first run
-// with what is certain, and the lists are scanned again only where an unknown second best could
-// decide it and may belong to the landmark itself.
+std::uint32_t LandmarkSearch::LandmarkAt(std::int32_t group, std::size_t lane) const {
+  return group < 0 ? kNoLandmark : landmarks_[static_cast<std::size_t>(group) * kGroupLanes + lane];
+}
+
+// A lane knows whose its best two entries are. Only where both are the landmark's own a third,
+// which nobody knows, could decide the ratio test: then the lists are scanned again.
 std::optional<LandmarkMatch> LandmarkSearch::Judge(std::uint32_t index, const PackedQuery& feature,
                                                    const LaneBest& best,
                                                    std::span<const std::uint32_t> visited) const {
   std::int32_t best_dot = -1;
   std::uint32_t landmark = kNoLandmark;
-  std::array<std::uint32_t, kGroupLanes> landmark_of;
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    if (best.group[lane] < 0) continue;
-    landmark_of[lane] = landmarks_[static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane];
-    if (best.first_dot[lane] > best_dot ||
-        (best.first_dot[lane] == best_dot && landmark_of[lane] < landmark)) {
+    if (best.first_dot[lane] < best_dot) continue;
+    const std::uint32_t shown = LandmarkAt(best.first_group[lane], lane);
+    if (best.first_dot[lane] > best_dot || shown < landmark) {
       best_dot = best.first_dot[lane];
-      landmark = landmark_of[lane];
+      landmark = shown;
     }
   }
   if (landmark == kNoLandmark) return std::nullopt;
   const double angle_rad = DescriptorAngle(best_dot);
   if (angle_rad > options_.max_angle_rad) return std::nullopt;
-  const auto ratio_to = [&](std::int32_t other_dot) {
-    const double other_rad = DescriptorAngle(std::max(other_dot, 0));
-    return other_rad > 0 ? angle_rad / other_rad : 1.0;
-  };
 
   std::int32_t other_dot = -1;
   std::int32_t unknown_dot = -1;
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    if (best.group[lane] < 0) continue;
-    if (landmark_of[lane] != landmark) {
+    if (LandmarkAt(best.first_group[lane], lane) != landmark) {
       other_dot = std::max(other_dot, best.first_dot[lane]);
+    } else if (LandmarkAt(best.second_group[lane], lane) != landmark) {
+      other_dot = std::max(other_dot, best.second_dot[lane]);
     } else {
       unknown_dot = std::max(unknown_dot, best.second_dot[lane]);
     }
   }
+  const auto ratio_to = [&](std::int32_t other) {
+    const double other_rad = DescriptorAngle(std::max(other, 0));
+    return other_rad > 0 ? angle_rad / other_rad : 1.0;
+  };
   if (ratio_to(other_dot) >= options_.max_ratio) return std::nullopt;
   if (unknown_dot > other_dot) other_dot = SearchAnother(feature, landmark, visited);
   const double ratio = ratio_to(other_dot);
@@ -123,9 +125,8 @@ void LandmarkSearch::AppendResemblances(std::uint32_t index, const LaneBest& bes
                                         std::vector<Resemblance>& resemblances) const {
   const auto begin = static_cast<std::ptrdiff_t>(resemblances.size());
   for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-    if (best.group[lane] < 0 || best.first_dot[lane] < min_resemblance_dot_) continue;
-    const auto entry = static_cast<std::size_t>(best.group[lane]) * kGroupLanes + lane;
-    const std::uint32_t landmark = landmarks_[entry];
+    if (best.first_group[lane] < 0 || best.first_dot[lane] < min_resemblance_dot_) continue;
+    const std::uint32_t landmark = LandmarkAt(best.first_group[lane], lane);
     const auto known = std::find_if(resemblances.begin() + begin, resemblances.end(),
                                     [&](const Resemblance& r) { return r.landmark == landmark; });
     if (known == resemblances.end()) {

@@ -31,7 +31,7 @@ struct Resemblance {
 };
 
 struct FoundLandmarks {
-  std::vector<LandmarkMatch> matches;      ///< sorted by feature
+  std::vector<LandmarkMatch> matches;     ///< sorted by feature
   std::vector<Resemblance> resemblances;  ///< sorted by feature, the most similar landmark first
 };
 
@@ -39,7 +39,7 @@ struct LandmarkSearchOptions {
   std::size_t exhaustive_below = 8192;  ///< smaller sets are scanned whole
   double max_ratio = 0.85;
   double max_angle_rad = 0.7;
-  double max_resemblance_rad = 0.6;    ///< farther is not alike
+  double max_resemblance_rad = 0.6;  ///< farther is not alike
   std::size_t max_resemblances = 8;  ///< of one feature, at most one per lane
 };
 
@@ -74,6 +74,7 @@ class LandmarkSearch {
             std::span<const std::uint32_t> landmarks, std::span<const std::uint32_t> cell_of);
   std::span<const DescriptorGroup> GroupsOf(std::size_t cell) const;
   std::span<const std::uint32_t> LandmarksOf(std::size_t cell) const;
+  std::uint32_t LandmarkAt(std::int32_t group, std::size_t lane) const;
   std::optional<LandmarkMatch> Judge(std::uint32_t index, const PackedQuery& feature,
                                      const LaneBest& best,
                                      std::span<const std::uint32_t> visited) const;

@@ -12,7 +12,8 @@ namespace waymark::localiser::internal {
 void LaneBest::Clear() {
   std::fill_n(first_dot, kGroupLanes, -1);
   std::fill_n(second_dot, kGroupLanes, -1);
-  std::fill_n(group, kGroupLanes, -1);
+  std::fill_n(first_group, kGroupLanes, -1);
+  std::fill_n(second_group, kGroupLanes, -1);
 }
 
 PackedQuery::PackedQuery(const mapping::Descriptor& asked) : descriptor(&asked), offset(0) {
@@ -45,22 +46,24 @@ std::int32_t BestOfAnother(std::span<const DescriptorGroup> groups,
                            std::span<const std::uint32_t> landmarks, const PackedQuery& query,
                            std::uint32_t landmark) {
   CHECK(landmarks.size() == groups.size() * kGroupLanes);
+  constexpr std::size_t kTogether = 8;
   std::int32_t best = -1;
-  alignas(64) std::int32_t dots[kGroupLanes];
+  std::int32_t dots[kTogether * kGroupLanes];
   const auto compute = SupportedGroupKernels().front().dots;
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    compute(groups.subspan(g, 1), query, dots);
-    for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-      if (landmarks[g * kGroupLanes + lane] != landmark) best = std::max(best, dots[lane]);
+  for (std::size_t g = 0; g < groups.size(); g += kTogether) {
+    const auto some = groups.subspan(g, std::min(kTogether, groups.size() - g));
+    compute(some, std::span(&query, 1), dots);
+    for (std::size_t i = 0; i < some.size() * kGroupLanes; ++i) {
+      if (landmarks[g * kGroupLanes + i] != landmark) best = std::max(best, dots[i]);
     }
   }
   return best;
 }
 
-void ComputeDots(std::span<const DescriptorGroup> groups, const PackedQuery& query,
+void ComputeDots(std::span<const DescriptorGroup> groups, std::span<const PackedQuery> queries,
                  std::span<std::int32_t> dots) {
-  CHECK(dots.size() == groups.size() * kGroupLanes);
-  SupportedGroupKernels().front().dots(groups, query, dots.data());
+  CHECK(dots.size() == queries.size() * groups.size() * kGroupLanes);
+  SupportedGroupKernels().front().dots(groups, queries, dots.data());
 }
 
 }  // namespace waymark::localiser::internal

@@ -24,17 +24,19 @@ struct DescriptorGroup {
 struct LaneBest {
   alignas(64) std::int32_t first_dot[kGroupLanes];
   alignas(64) std::int32_t second_dot[kGroupLanes];
-  alignas(64) std::int32_t group[kGroupLanes];  ///< of the best; -1: none yet
+  alignas(64) std::int32_t first_group[kGroupLanes];  ///< -1: none yet
+  alignas(64) std::int32_t second_group[kGroupLanes];
 
   void Clear();
 };
 
 /// A query prepared for scanning: what the missing 128s amount to.
 struct PackedQuery {
+  PackedQuery() = default;
   explicit PackedQuery(const mapping::Descriptor& asked);
 
-  const mapping::Descriptor* descriptor;  ///< borrowed
-  std::int32_t offset;
+  const mapping::Descriptor* descriptor = nullptr;  ///< borrowed
+  std::int32_t offset = 0;
 };
 
 /// Where one descriptor goes. Groups begin as `EmptyGroup`.
@@ -54,8 +56,8 @@ std::int32_t BestOfAnother(std::span<const DescriptorGroup> groups,
                            std::span<const std::uint32_t> landmarks, const PackedQuery& query,
                            std::uint32_t landmark);
 
-/// All dot products. Shapes: kGroupLanes dots per group.
-void ComputeDots(std::span<const DescriptorGroup> groups, const PackedQuery& query,
+/// All dot products. Shapes: a row for each query, of kGroupLanes dots per group.
+void ComputeDots(std::span<const DescriptorGroup> groups, std::span<const PackedQuery> queries,
                  std::span<std::int32_t> dots);
 
 }  // namespace waymark::localiser::internal

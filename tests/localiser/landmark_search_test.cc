@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "localiser/internal/coarse_quantiser.h"
-#include "localiser/internal/group_kernels.h"
 #include "mapping/matching/descriptor_matching.h"
 #include "tests/localiser/random_place.h"
 
@@ -213,70 +212,6 @@ TEST(CoarseQuantiser, RanksManyCellsAsFewOnes) {
   const RankedCells all = quantiser.Rank(features, centres.size());
   for (std::size_t f = 0; f < features.size(); ++f) {
     EXPECT_TRUE(std::ranges::equal(some.Of(f), all.Of(f).first(16)));
-  }
-}
-
-/// Groups of some entries, in order.
-std::vector<DescriptorGroup> Pack(std::span<const mapping::Descriptor> entries) {
-  std::vector<DescriptorGroup> groups((entries.size() + kGroupLanes - 1) / kGroupLanes,
-                                      EmptyGroup());
-  for (std::size_t e = 0; e < entries.size(); ++e) {
-    PackInto(entries[e], e % kGroupLanes, groups[e / kGroupLanes]);
-  }
-  return groups;
-}
-
-class GroupKernels : public testing::Test {
- protected:
-  GroupKernels() {
-    entries_ = MakeDatabase(30, 9).descriptors;  // 90: the last group is not full
-    entries_[7].fill(255);
-    queries_ = MakeDatabase(7, 9).descriptors;
-    queries_.front().fill(255);
-    queries_.back().fill(0);
-  }
-  static std::int32_t Dot(const mapping::Descriptor& a, const mapping::Descriptor& b) {
-    return std::inner_product(a.begin(), a.end(), b.begin(), 0);
-  }
-
-  std::vector<mapping::Descriptor> entries_, queries_;
-};
-
-TEST_F(GroupKernels, GiveDotProducts) {
-  const auto groups = Pack(entries_);
-  for (const GroupKernel& kernel : SupportedGroupKernels()) {
-    for (const mapping::Descriptor& query : queries_) {
-      std::vector<std::int32_t> dots(groups.size() * kGroupLanes);
-      kernel.dots(groups, PackedQuery(query), dots.data());
-      for (std::size_t e = 0; e < dots.size(); ++e) {
-        EXPECT_EQ(dots[e], e < entries_.size() ? Dot(query, entries_[e]) : 0) << kernel.name;
-      }
-    }
-  }
-}
-
-TEST_F(GroupKernels, KeepTheBestTwoOfEachLane) {
-  const auto groups = Pack(entries_);
-  const std::vector<PackedQuery> queries(queries_.begin(), queries_.end());
-  std::vector<std::uint32_t> all(queries.size());
-  std::iota(all.begin(), all.end(), 0U);
-  for (const GroupKernel& kernel : SupportedGroupKernels()) {
-    std::vector<LaneBest> states(queries.size());
-    for (LaneBest& state : states) state.Clear();
-    kernel.meet(groups, 100, queries, all, states);
-    for (std::size_t q = 0; q < queries.size(); ++q) {
-      for (std::size_t lane = 0; lane < kGroupLanes; ++lane) {
-        std::vector<std::int32_t> dots;
-        for (std::size_t e = lane; e < groups.size() * kGroupLanes; e += kGroupLanes) {
-          dots.push_back(e < entries_.size() ? Dot(queries_[q], entries_[e]) : 0);
-        }
-        const auto best = std::ranges::max_element(dots);
-        EXPECT_EQ(states[q].first_dot[lane], *best) << kernel.name;
-        EXPECT_EQ(states[q].group[lane], 100 + (best - dots.begin())) << kernel.name;
-        std::ranges::sort(dots, std::greater<>());
-        EXPECT_EQ(states[q].second_dot[lane], dots[1]) << kernel.name;
-      }
-    }
   }
 }
 

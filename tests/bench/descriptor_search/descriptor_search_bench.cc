@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <flann/flann.hpp>
 #include <functional>
 
@@ -157,22 +158,27 @@ void MeasureNearest(const mapping::SubmapView& view, const CoarseQuantiser& quan
   }
 }
 
+Result<void> MeasureSubmap(const std::filesystem::path& file,
+                           const std::vector<std::vector<Descriptor>>& queries) {
+  WAYMARK_TRY_ASSIGN(const auto view, mapping::SubmapView::Open(file));
+  const std::array sets{view.descriptors()};
+  const auto quantiser = CoarseQuantiser::Train(sets, view.descriptors().size() / 128 + 1, 1);
+  fmt::print("submap {}: {} descriptors of {} landmarks; {} images\n{:<28} {:>10} {:>10}\n",
+             file.filename().string(), view.descriptors().size(), view.landmarks_in_submap().size(),
+             queries.size(), "", "ms/image", "recall");
+  MeasureLists(view, quantiser, queries);
+  MeasureNearest(view, quantiser, queries);
+  MeasureFlann(view, queries);
+  return {};
+}
+
 Result<void> Run(const Flags& flags) {
+  WAYMARK_TRY_ASSIGN(const auto queries, LoadQueries(flags));
+  if (std::filesystem::is_regular_file(flags.map)) return MeasureSubmap(flags.map, queries);
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(flags.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  WAYMARK_TRY_ASSIGN(const auto queries, LoadQueries(flags));
   for (const mapping::ReleasedSubmap& submap : release.submaps) {
-    WAYMARK_TRY_ASSIGN(const auto view, mapping::SubmapView::Open(map.SubmapPath(submap.id)));
-    const std::array sets{view.descriptors()};
-    const auto quantiser = CoarseQuantiser::Train(sets, view.descriptors().size() / 128 + 1, 1);
-    fmt::print(
-        "submap {}: {} descriptors of {} landmarks; {} images of {} features\n{:<28} {:>10} "
-        "{:>10}\n",
-        submap.id.text(), view.descriptors().size(), view.landmarks_in_submap().size(),
-        queries.size(), flags.features, "", "ms/image", "recall");
-    MeasureLists(view, quantiser, queries);
-    MeasureNearest(view, quantiser, queries);
-    MeasureFlann(view, queries);
+    WAYMARK_TRY(MeasureSubmap(map.SubmapPath(submap.id), queries));
   }
   return {};
 }
@@ -184,7 +190,7 @@ int main(int argc, char** argv) {
   waymark::localiser::Flags flags;
   CLI::App app("How well and how fast the descriptors of a map's submaps are found, on one core");
   app.footer("Example: descriptor_search_bench MAP walks/0 --images 40");
-  app.add_option("MAP", flags.map, "a map directory")->required();
+  app.add_option("MAP", flags.map, "a map directory, or a submap's file")->required();
   app.add_option("QUERY", flags.query, "a kapture folder, or a folder of images")->required();
   app.add_option("--images", flags.images, "of the query, evenly chosen")->capture_default_str();
   app.add_option("--features", flags.features, "of an image, strongest first")
