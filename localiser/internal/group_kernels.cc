@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// No Eigen here: code for wider registers must not share its types (alignment differs).
 #include "localiser/internal/group_kernels.h"
 
 #include <algorithm>
 
+#include "localiser/internal/clones.h"
+
 namespace waymark::localiser::internal {
 namespace {
-
-#if defined(__x86_64__)
-#define WAYMARK_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
-#else
-#define WAYMARK_CLONES
-#endif
 
 __attribute__((always_inline)) inline void Dots(const DescriptorGroup& group,
                                                 const PackedQuery& query, std::int32_t* dots) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-// No Eigen here: code for wider registers must not share its types (alignment differs).
 #include "localiser/internal/top_cells.h"
 
 #include <algorithm>
@@ -8,16 +7,11 @@
 #include <functional>
 #include <limits>
 
+#include "localiser/internal/clones.h"
 #include "localiser/internal/group_kernels.h"
 
 namespace waymark::localiser::internal {
 namespace {
-
-#if defined(__x86_64__)
-#define WAYMARK_CLONES __attribute__((target_clones("arch=skylake-avx512", "avx2", "default")))
-#else
-#define WAYMARK_CLONES
-#endif
 
 constexpr std::size_t kStrides = 64;
 constexpr std::size_t kVectors = kStrides / kGroupLanes;
