@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 0x57a9;
 constexpr std::uint32_t kPingEvery = 8;  // reports
+constexpr std::uint32_t kAskEvery = 15;  // reports, until it is told of its area
 
 constexpr std::chrono::milliseconds kSlice{1};  // what is due in it is done together
 
@@ -33,13 +34,19 @@ struct Crowd::Phone {
   Hello hello;
   Ticket ticket{};
   std::uint32_t pings = 0;
+  std::uint64_t epoch = 1;
+  bool knows_area = false;
   Heard heard = {};
 
   void Say(const wire::Upward& message) { (void)socket.Send(wire::EncodeFrame(message)); }
 
-  void Report(std::uint32_t step) {
-    Say(PoseReport{ticket, walker.PoseAt(Now())});
+  void Report(std::uint32_t step, double area_radius_m) {
+    const LivePose pose = walker.PoseAt(Now(), epoch);
+    Say(PoseReport{ticket, pose});
     if ((step + number) % kPingEvery == 0) Say(ClockPing{ticket, pings++, {}});
+    if (area_radius_m <= 0 || knows_area || (step + number) % kAskEvery != 0) return;
+    const Eigen::Vector2d here_m = pose.map_from_device.translation().head<2>();
+    Say(AreaReport{.ticket = ticket, .number = 1, .area = {here_m, area_radius_m}});
   }
 };
 
@@ -85,21 +92,43 @@ void Crowd::Listen() {
 }
 
 void Crowd::OnMessage(Phone& phone, std::span<const std::uint8_t> message) {
-  if (is_counting_) phone.heard.bytes += message.size();
-  const bool is_known = phone.ticket != Ticket{};
-  const auto kind = message.empty() ? 0 : message[0];
-  constexpr int kWelcome = 17, kPoses = 26;
-  if (is_known ? !is_counting_ || kind != kPoses : kind != kWelcome) return;
+  if (phone.ticket != Ticket{}) return Count(phone, message);
+  constexpr int kWelcome = 17;
+  if (message.empty() || message[0] != kWelcome) return;
   const auto decoded = wire::DecodeDownward(message);
   if (!decoded) return;
-  if (const auto* welcome = std::get_if<Welcome>(&*decoded)) {
-    if (welcome->verdict != JoinVerdict::kAccepted) {
-      return LogWarning("{}: {}", phone.hello.name, welcome->reason);
-    }
-    phone.ticket = welcome->ticket;
-    ++welcome_;
-  } else if (const auto* batch = std::get_if<PoseBatch>(&*decoded)) {
-    Count(phone.heard, *batch);
+  const auto* welcome = std::get_if<Welcome>(&*decoded);
+  if (welcome == nullptr) return;
+  if (welcome->verdict != JoinVerdict::kAccepted) {
+    return LogWarning("{}: {}", phone.hello.name, welcome->reason);
+  }
+  phone.ticket = welcome->ticket;
+  phone.epoch = welcome->map.epoch;
+  ++welcome_;
+}
+
+void Crowd::Count(Phone& phone, std::span<const std::uint8_t> message) {
+  if (is_counting_) phone.heard.bytes += message.size();
+  constexpr int kAnchor = 21, kMap = 24, kPong = 25, kPoses = 26, kArea = 28;
+  const int kind = message.empty() ? 0 : message[0];
+  const bool is_known = kind == kMap || kind == kArea || kind == kAnchor;
+  if (!is_known && !(is_counting_ && (kind == kPong || kind == kPoses))) return;
+  const auto decoded = wire::DecodeDownward(message);
+  if (!decoded) return;
+  if (const auto* batch = std::get_if<PoseBatch>(&*decoded)) {
+    bench::Count(phone.heard, *batch);
+  } else if (const auto* pong = std::get_if<ClockPong>(&*decoded)) {
+    longest_wait_ms_ = std::max(longest_wait_ms_, 1e3 * Seconds(pong->sent - pong->received));
+  } else if (const auto* map = std::get_if<MapState>(&*decoded)) {
+    phone.epoch = map->epoch;
+    if (!swap_.first_over) swap_.first_over = Now();
+    swap_.last_over = Now();
+  } else if (const auto* anchor = std::get_if<AnchorState>(&*decoded)) {
+    if (!is_counting_ || anchor->anchor.record.epoch == epoch_before_) return;
+    swap_.last_anchor = Now();
+    ++swap_.anchors;
+  } else {
+    phone.knows_area = true;
   }
 }
 
@@ -138,7 +167,7 @@ Walked Crowd::Walk(double seconds) {
       const auto due = std::min(end, static_cast<std::uint64_t>(now_s * reports_per_s));
       for (; reports < due; ++reports) {
         phones_[reports % phones_.size()]->Report(
-            static_cast<std::uint32_t>(reports / phones_.size()));
+            static_cast<std::uint32_t>(reports / phones_.size()), options_.area_radius_m);
       }
       Listen();
       std::this_thread::sleep_for(kSlice);
@@ -146,10 +175,16 @@ Walked Crowd::Walk(double seconds) {
   };
   walk_until(1);
   is_counting_ = true;
+  swap_ = {};
+  longest_wait_ms_ = 0;
+  epoch_before_ = phones_.front()->epoch;
   const auto counted = Clock::now();
   walk_until(1 + seconds);
   is_counting_ = false;
-  Walked walked{.heard = {}, .seconds = Seconds(Clock::now() - counted)};
+  Walked walked{.heard = {},
+                .seconds = Seconds(Clock::now() - counted),
+                .longest_wait_ms = longest_wait_ms_,
+                .swap = swap_};
   for (const auto& phone : phones_) walked.heard.push_back(std::exchange(phone->heard, {}));
   return walked;
 }

@@ -20,6 +20,7 @@ class Crowd {
     double hz = 30;                      ///< of reports
     bool is_tls = false;
     std::uint64_t first_phone = 0;  ///< which devices they are: those from this one on
+    double area_radius_m = 0;       ///< in which they want to know of anchors; 0: of none
   };
 
   /// Errors: Unavailable.
@@ -40,6 +41,8 @@ class Crowd {
   /// Handles what has arrived.
   void Listen();
   void OnMessage(Phone& phone, std::span<const std::uint8_t> message);
+  /// What counts while phones walk.
+  void Count(Phone& phone, std::span<const std::uint8_t> message);
 
   Options options_;
   std::vector<std::unique_ptr<Phone>> phones_;
@@ -47,6 +50,9 @@ class Crowd {
   int lost_ = 0;
   std::size_t welcome_ = 0;
   bool is_counting_ = false;
+  double longest_wait_ms_ = 0;
+  std::uint64_t epoch_before_ = 1;  // when counting began
+  HeardOfSwap swap_;
 };
 
 }  // namespace waymark::bench

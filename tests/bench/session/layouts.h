@@ -23,6 +23,7 @@ struct Flags {
   int anchors = 200;
   int city_anchors = 100'000;
   double anchor_radius_m = 100;
+  std::vector<int> swap_anchors{1000, 10'000, 100'000};
   bool is_tls = false;
   std::string recordings;
   std::string csv, plot;

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <random>
+#include <initializer_list>
 #include <thread>
 
 #include "mapping/base/process.h"
@@ -25,36 +25,56 @@ int StayUntilTold() {
   while (true) ::pause();
 }
 
-void Place(const CityAnchors& anchors, content::AnchorStore& store) {
-  constexpr std::size_t kPayloadBytes = 100;
-  std::mt19937_64 random(17);
-  std::uniform_real_distribution<double> along(-anchors.edge_m / 2, anchors.edge_m / 2);
-  for (int i = 0; i < anchors.count; ++i) {
-    const double x = along(random), y = along(random);
-    const auto id = session::UuidFromBits(0xc17, static_cast<std::uint64_t>(i));
-    content::AnchorRecord record{.id = AnchorId(session::FormatUuid(id)), .room = RoomId("room0")};
-    record.owner = "city";
-    record.map_from_anchor = {Eigen::Quaterniond::Identity(), {x, y, 1}};
-    record.attachments = {{session::support::kSubmap, {Eigen::Quaterniond::Identity(), {x, y, 0}}}};
-    record.kind = "note";
-    record.payload = std::string(kPayloadBytes, 'x');
-    CHECK(store.Create(record).ok());
-  }
+/// Signals that this thread, and those made from now on, are not ended by.
+sigset_t Hold(std::initializer_list<int> signals) {
+  sigset_t held;
+  ::sigemptyset(&held);
+  for (const int signal : signals) ::sigaddset(&held, signal);
+  ::pthread_sigmask(SIG_BLOCK, &held, nullptr);
+  return held;
+}
+
+/// Which of them comes first.
+int Await(const sigset_t& held) {
+  int came = 0;
+  ::sigwait(&held, &came);
+  return came;
 }
 
 }  // namespace
 
 int RunServer(const std::string& recording, const CityAnchors& anchors) {
+  const sigset_t held = Hold({SIGUSR1, SIGTERM});
   session::ServerOptions options{.dds_domain = -1, .recording_file = recording};
-  const auto server = session::support::StartOnFreeDomain(options, [&] {
-    auto store = std::make_unique<waymark::support::MemoryAnchorStore>();
-    Place(anchors, *store);
-    return session::support::MakeParts(session::support::MakeRelease(), std::move(store));
+  const std::filesystem::path folder =
+      support::TemporaryRoot() / fmt::format("waymark-session-bench-{}", ::getpid());
+  const bool is_city = anchors.count > 0;
+  if (is_city) {
+    std::filesystem::create_directories(folder);
+    (void)StoreCity(anchors, folder / "anchors.db");
+  }
+  const auto release_of = [&](std::uint64_t epoch) {
+    return is_city ? CityRelease(anchors.edge_m, epoch) : session::support::MakeRelease(epoch);
+  };
+  const auto server = session::support::StartOnFreeDomain(options, [&]() -> session::ServerParts {
+    std::unique_ptr<content::AnchorStore> store;
+    if (is_city) {
+      store = *content::OpenSqliteStore(folder / "anchors.db");
+    } else {
+      store = std::make_unique<waymark::support::MemoryAnchorStore>();
+    }
+    return session::support::MakeParts(release_of(1), std::move(store));
   });
   if (!server) return 1;
   fmt::print("{}\n", options.dds_domain);
   std::fflush(stdout);
-  return StayUntilTold();
+  for (std::uint64_t epoch = 2; Await(held) == SIGUSR1; ++epoch) {
+    const mapping::Release release = release_of(epoch);
+    server->Swap({release, session::support::BelievePrior(release)});
+  }
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+  ::_exit(0);
 }
 
 int RunGateway(int domain, bool is_tls) {
@@ -80,17 +100,13 @@ int RunGateway(int domain, bool is_tls) {
 }
 
 int RunDevices(int domain, int count, int first) {
-  sigset_t join;
-  ::sigemptyset(&join);
-  ::sigaddset(&join, SIGUSR1);
-  ::pthread_sigmask(SIG_BLOCK, &join, nullptr);  // as do the threads that are made from now on
+  const sigset_t join = Hold({SIGUSR1});
   const auto crowd = BusCrowd::Connect(
       {.domain = domain, .phones = count, .first_phone = first, .per_participant = 1});
   if (!crowd) return 1;
   fmt::print("{}\n", kDevicesAreMade);
   std::fflush(stdout);
-  int signal = 0;
-  ::sigwait(&join, &signal);
+  (void)Await(join);
   if (!(*crowd)->JoinAll().ok()) return 1;
   fmt::print("{}\n", kDevicesHaveJoined);
   std::fflush(stdout);

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "tests/bench/session/city.h"
+
 namespace waymark::bench {
 
 inline constexpr std::string_view kDevicesAreMade = "devices: made";
@@ -12,14 +14,8 @@ inline constexpr std::string_view kDevicesHaveJoined = "devices: joined";
 // What the bench starts beside itself. Each prints one line once it serves, its DDS domain or its
 // port on this machine, and stays until it is ended; 1 when it cannot.
 
-/// Anchors that stand in the first room of a crowd from the beginning, in a square about the
-/// origin.
-struct CityAnchors {
-  int count = 0;
-  double edge_m = 0;
-};
-
-/// Waymark's server on a free domain, with anchors in memory. It records to that file, if any.
+/// Waymark's server on a free domain, with its anchors in a file if there are any. It records to
+/// that file, if any. At SIGUSR1 another release of the map goes live.
 int RunServer(const std::string& recording, const CityAnchors& anchors);
 /// Waymark's gateway to that server, in clear or with a certificate that vouches for itself.
 int RunGateway(int domain, bool is_tls);

@@ -12,6 +12,7 @@
 #include "tests/bench/session/layouts.h"
 #include "tests/bench/session/processes.h"
 #include "tests/bench/session/summary.h"
+#include "tests/bench/session/swap.h"
 
 namespace waymark::bench {
 namespace {
@@ -21,6 +22,12 @@ const std::vector<std::pair<std::string, Result<void> (*)(const Flags&)>> kOwnTa
     {"apps", MeasureAppTimes},
     {"peers", MeasureAllPeers},
     {"churn", MeasureChurnOfGateway},
+    {"swap",
+     [](const Flags& flags) {
+       return MeasureSwaps({.anchors = flags.swap_anchors,
+                            .city_m = flags.city_m,
+                            .anchor_radius_m = flags.anchor_radius_m});
+     }},
     {"discovery", [](const Flags& flags) { return MeasureDiscovery(flags.phones); }}};
 
 std::string Load() {
@@ -76,14 +83,15 @@ int main(int argc, char** argv) {
       "apps: what the device library sees that joins a room of 100 phones;\n"
       "peers: rooms through the gateway, mosquitto, Redis and a plain WebSocket fan-out;\n"
       "churn: crowds come and die for the given seconds; what server and gateway hold;\n"
+      "swap: releases go live under 100 phones in a room of so many anchors;\n"
       "discovery: octets until devices on the bus have joined; in a namespace: unshare -n.\n"
       "Example: session_bench --layouts city,square --phones 10,100,1000 --plot crowd.svg",
       "session_bench");
   Flags flags;
   app.add_option("--layouts", flags.layouts, "what is measured, in this order")
       ->delimiter(',')
-      ->check(
-          CLI::IsMember({"city", "square", "rooms", "bus", "apps", "peers", "churn", "discovery"}))
+      ->check(CLI::IsMember(
+          {"city", "square", "rooms", "bus", "apps", "peers", "churn", "swap", "discovery"}))
       ->capture_default_str();
   app.add_option("--phones", flags.phones, "how many, each a measurement")
       ->delimiter(',')
@@ -105,6 +113,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--anchor-radius", flags.anchor_radius_m,
                  "metres around it in which an app of layout apps wants to know of anchors")
+      ->capture_default_str();
+  app.add_option("--swap-anchors", flags.swap_anchors,
+                 "anchors that the room of layout swap holds, each a measurement")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")
       ->capture_default_str();

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -28,7 +29,7 @@ class Walker {
     phase_ = turn(random) + static_cast<double>(member);
   }
 
-  session::LivePose PoseAt(ServerTime time) const {
+  session::LivePose PoseAt(ServerTime time, std::uint64_t epoch = 1) const {
     constexpr double kRadius_m = 5, kSpeed_mps = 1.4;
     const double angle =
         phase_ +
@@ -36,7 +37,7 @@ class Walker {
     const Eigen::Vector3d outward(std::cos(angle), std::sin(angle), 0);
     const Eigen::Vector3d ahead(-outward.y(), outward.x(), 0);
     return {
-        .epoch = 1,
+        .epoch = epoch,
         .time = time,
         .map_from_device = {Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())),
                             Eigen::Vector3d(x_m_, y_m_, 1.5) + kRadius_m * outward},
@@ -58,10 +59,19 @@ struct Heard {
   std::uint64_t bytes = 0;  ///< of all messages
 };
 
+/// What a crowd has heard of another release while it was counted.
+struct HeardOfSwap {
+  std::optional<ServerTime> first_over, last_over;  ///< phones that heard that it is live
+  std::optional<ServerTime> last_anchor;            ///< in its map
+  std::uint64_t anchors = 0;                        ///< in its map, told to anybody
+};
+
 /// A crowd while it was counted.
 struct Walked {
   std::vector<Heard> heard;
-  double seconds = 0;  ///< a machine that is too busy takes longer than it was told
+  double seconds = 0;          ///< a machine that is too busy takes longer than it was told
+  double longest_wait_ms = 0;  ///< of a ping, from when the server had it until its loop answered
+  HeardOfSwap swap = {};
 };
 
 /// Counts a batch; of the ages every eighth batch, which is plenty.
