@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "mapping/base/log.h"
+#include "session/dds/internal/kept_sample.h"
 #include "session/dds/internal/qos.h"
 
 namespace waymark::session::dds {
@@ -100,10 +101,15 @@ Result<Writer> Writer::Create(Participant& participant, const Topic& topic,
       Entity writer,
       Entity::Adopt(dds_create_writer(publisher.handle(), topic_handle, qos.get(), nullptr),
                     topic.name));
-  return Writer(std::move(publisher), std::move(writer), topic.name);
+  const void* const kept = topic.history == History::kForLateJoiners ? topic.descriptor : nullptr;
+  return Writer(std::move(publisher), std::move(writer), topic.name, kept);
 }
 
 Result<void> Writer::Write(const void* sample) {
+  if (kept_type_ != nullptr) {
+    const auto& type = *static_cast<const dds_topic_descriptor_t*>(kept_type_);
+    return CheckCode(internal::WriteKept(writer_.handle(), type, sample), name_);
+  }
   return CheckCode(dds_write(writer_.handle(), sample), name_);
 }
 

@@ -44,12 +44,16 @@ class Writer {
   bool HasReaders() const;
 
  private:
-  Writer(Entity publisher, Entity writer, std::string name)
-      : publisher_(std::move(publisher)), writer_(std::move(writer)), name_(std::move(name)) {}
+  Writer(Entity publisher, Entity writer, std::string name, const void* kept_type)
+      : publisher_(std::move(publisher)),
+        writer_(std::move(writer)),
+        name_(std::move(name)),
+        kept_type_(kept_type) {}
 
   Entity publisher_;
   Entity writer_;
   std::string name_;
+  const void* kept_type_;  // of samples that stay for late joiners; null: none stays
 };
 
 /// What happened to an instance of a topic.
