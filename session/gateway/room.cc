@@ -115,12 +115,17 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
   if (state.run != state_.run) {
     const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
     std::erase_if(presences_, is_over);
-    std::erase_if(anchors_, is_over);
+    std::erase_if(anchors_, [&](const auto& entry) {
+      if (!is_over(entry)) return false;
+      ForgetAnchor(entry.second);
+      return true;
+    });
     anchor_relay_.ForgetOtherRuns(state.run);
     for (auto& [owner, words] : own_) std::erase_if(words.anchors, is_over);
     if (map_.run != state.run) map_ = {};
   }
   state_ = {state.run, frame};
+  epoch_ = state.epoch;
   anchor_relay_.Expect(state.run, state.anchor_count, state.anchor_digest);
   for (auto& [phone, listener] : by_area_) TellAreaState(phone, listener);
 }
@@ -130,6 +135,7 @@ void Room::ForgetWords() {
   const std::lock_guard lock(mutex_);
   presences_.clear();
   anchors_.clear();
+  anchors_of_epochs_.clear();
   anchor_relay_ = AnchorRelay();
   for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
   own_.clear();

@@ -46,6 +46,10 @@ class Room : public std::enable_shared_from_this<Room> {
     wire::SharedFrame frame;
   };
 
+  struct AnchorWord : Word {
+    std::uint64_t epoch = 0;
+  };
+
   /// The last words on what an owner alone may see.
   struct OwnWords {
     std::map<AnchorId, Word> anchors;
@@ -71,7 +75,10 @@ class Room : public std::enable_shared_from_this<Room> {
   void On(const MapState& state, const wire::SharedFrame& frame);
   void TellAll(const wire::SharedFrame& frame, std::optional<wire::Slot> slot);
   void TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFrame& frame);
+  /// No anchor is told in another release than the live one.
+  bool IsOfOneRelease() const;
   void TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener);
+  void ForgetAnchor(const AnchorWord& word);
   void ForgetWords();
 
   // On the loop.
@@ -87,8 +94,10 @@ class Room : public std::enable_shared_from_this<Room> {
   PoseBatch tick_;  // the one heard last, without poses
   bool is_telling_ = false;
   std::map<DeviceId, Word> presences_;
-  std::map<AnchorId, Word> anchors_;
-  AnchorRelay anchor_relay_;  // knows the same
+  std::map<AnchorId, AnchorWord> anchors_;
+  std::map<std::uint64_t, std::size_t> anchors_of_epochs_;  // how many
+  std::uint64_t epoch_ = 0;                                 // that is live in the room
+  AnchorRelay anchor_relay_;                                // knows the same
   std::map<PhonePtr, AnchorRelay::Listener> by_area_;
   Word state_, map_;
   std::multimap<std::string, PhonePtr> by_owner_;

@@ -6,12 +6,19 @@
 namespace waymark::session::internal {
 
 void Room::On(const AnchorState& state, const wire::SharedFrame& frame) {
-  anchors_.insert_or_assign(state.anchor.record.id, Word{state.run, frame});
+  const std::uint64_t epoch = state.anchor.record.epoch;
+  const auto [entry, is_new] = anchors_.try_emplace(state.anchor.record.id);
+  if (!is_new) ForgetAnchor(entry->second);
+  entry->second = {{state.run, frame}, epoch};
+  ++anchors_of_epochs_[epoch];
   TellOfAnchor(anchor_relay_.Put(state), frame);
 }
 
 void Room::On(const wire::AnchorGone& gone, const wire::SharedFrame& frame) {
-  anchors_.erase(gone.anchor);
+  if (const auto known = anchors_.find(gone.anchor); known != anchors_.end()) {
+    ForgetAnchor(known->second);
+    anchors_.erase(known);
+  }
   TellOfAnchor(anchor_relay_.Remove(gone.anchor), frame);
 }
 
@@ -24,6 +31,16 @@ void Room::TellOfAnchor(const AnchorRelay::Change& change, const wire::SharedFra
   }
 }
 
+void Room::ForgetAnchor(const AnchorWord& word) {
+  const auto of_epoch = anchors_of_epochs_.find(word.epoch);
+  if (--of_epoch->second == 0) anchors_of_epochs_.erase(of_epoch);
+}
+
+bool Room::IsOfOneRelease() const {
+  return anchors_of_epochs_.empty() ||
+         (anchors_of_epochs_.size() == 1 && anchors_of_epochs_.contains(epoch_));
+}
+
 void Room::TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener) {
   const auto state = listener.TakeState(anchor_relay_);
   if (!state) return;
@@ -34,6 +51,9 @@ void Room::TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener)
 void Room::SetArea(const PhonePtr& phone, const AreaReport& report) {
   const std::lock_guard lock(mutex_);
   if (phone->anchor_scope() != AnchorScope::kArea) return;
+  // On the way to another release some anchors would be wrong by where the phone's map is now. It
+  // asks again.
+  if (!IsOfOneRelease()) return;
   AnchorRelay::Listener& listener =
       by_area_.try_emplace(phone, AnchorRelay::Listener(*phone->device())).first->second;
   for (const AnchorId& anchor : anchor_relay_.Listen(listener, report).coming) {

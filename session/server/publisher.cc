@@ -157,7 +157,6 @@ void Publisher::Do(const effect::PublishMapState& effect, ServerTime) {
 }
 
 void Publisher::Do(const effect::ReportSwap& effect, ServerTime) {
-  ++counters_.swaps;
   LogInfo(
       "epoch {} is served: {} anchors of open rooms carried, by {:.3f} m at most; {} unsupported",
       effect.epoch, effect.carried, effect.max_motion_m, effect.unsupported);

@@ -75,7 +75,10 @@ Result<void> Server::Loop::Start(const ServerOptions& options) {
   return {};
 }
 
-void Server::Loop::Swap(ServedRelease served) { inbox_.Push({Now(), std::move(served)}); }
+void Server::Loop::Swap(ServedRelease served) {
+  auto release = std::make_shared<const LiveRelease>(std::move(served.release));
+  inbox_.Push({Now(), Prepared{std::move(release), std::move(served.localise)}});
+}
 
 ServerCounters Server::Loop::Stop() {
   if (thread_.joinable()) {
@@ -109,19 +112,25 @@ void Server::Loop::Receive(GatewayReport report) {
 
 void Server::Loop::Work() {
   using std::chrono::steady_clock;
-  steady_clock::time_point next_tick = steady_clock::now() + tick_;
+  next_tick_ = steady_clock::now() + tick_;
   while (!is_stopping_) {
-    for (Item& item : inbox_.TakeAll(loading_.IsEmpty() ? next_tick : steady_clock::now())) {
+    for (Item& item : inbox_.TakeAll(loading_.IsEmpty() ? next_tick_ : steady_clock::now())) {
       Handle(item);
+      TickIfLateBy(kTicksPerFrame * tick_);  // whatever else has piled up
     }
     if (!loading_.IsEmpty()) Apply(loading_.Next());
-    if (steady_clock::now() < next_tick) continue;
-    Apply(event::Ticked{});
-    publisher_->Tend(Now());
-    LookAtDoor();
-    // Late ticks are made up for, but do not pile up beyond a frame.
-    next_tick = std::max(next_tick + tick_, steady_clock::now() - (kTicksPerFrame - 1) * tick_);
+    TickIfLateBy({});
   }
+}
+
+void Server::Loop::TickIfLateBy(std::chrono::nanoseconds lateness) {
+  using std::chrono::steady_clock;
+  if (steady_clock::now() < next_tick_ + lateness) return;
+  Apply(event::Ticked{});
+  publisher_->Tend(Now());
+  LookAtDoor();
+  // Late ticks are made up for, but do not pile up beyond a frame.
+  next_tick_ = std::max(next_tick_ + tick_, steady_clock::now() - (kTicksPerFrame - 1) * tick_);
 }
 
 void Server::Loop::Handle(Item& item) {
@@ -211,14 +220,6 @@ void Server::Loop::LookAtDoor() {
   if (!door_ || now - door_seen_ < kDoorInterval) return;
   door_seen_ = now;
   if (auto revoked = door_->Refresh()) Apply(*std::move(revoked));
-}
-
-void Server::Loop::GoOver(ServedRelease served) {
-  const std::uint64_t epoch = served.release.epoch;
-  const auto placements = std::make_shared<const Placements>(PlacementsOf(served.release));
-  store_.SetRelease(std::move(served.release));
-  pool_.SetLocalise(std::move(served.localise));
-  Apply(event::ReleaseSwapped{epoch, placements});
 }
 
 void Server::Loop::Deliver(LocaliseAnswer& answer) {

@@ -44,8 +44,7 @@ void StoreWorkers::Submit(Task task) {
   worker.changed.notify_one();
 }
 
-void StoreWorkers::SetRelease(mapping::Release release) {
-  auto live = std::make_shared<const LiveRelease>(std::move(release));
+void StoreWorkers::SetRelease(std::shared_ptr<const LiveRelease> live) {
   keeper_.SetRelease(live);
   const std::lock_guard lock(mutex_);
   live_ = std::move(live);
@@ -77,15 +76,14 @@ void StoreWorkers::Work(Worker& worker) {
   }
 }
 
+// A large room is in memory once: each record goes from the snapshot into the event.
 Event StoreWorkers::Do(const effect::LoadRoom& task, const LiveRelease& live) {
-  const auto in_map = [&](const content::AnchorRecord& record) {
-    return CarryAnchor(record, live.release.epoch, live.placements);
-  };
-  const Result<content::RoomSnapshot> snapshot = store_->LoadRoom(task.room);
+  Result<content::RoomSnapshot> snapshot = store_->LoadRoom(task.room);
   if (!snapshot.ok()) return event::RoomLoaded{task.room, snapshot.error(), {}};
   event::RoomLoaded loaded{task.room, snapshot->revision, {}};
-  for (const content::AnchorRecord& record : snapshot->anchors) {
-    loaded.anchors.push_back(in_map(record));
+  loaded.anchors.reserve(snapshot->anchors.size());
+  for (content::AnchorRecord& record : snapshot->anchors) {
+    loaded.anchors.push_back(CarryAnchor(std::move(record), live.release.epoch, live.placements));
   }
   return loaded;
 }

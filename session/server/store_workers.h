@@ -38,7 +38,7 @@ class StoreWorkers {
 
   void Submit(Task task);
   /// What is submitted from now on is in this release.
-  void SetRelease(mapping::Release release);
+  void SetRelease(std::shared_ptr<const LiveRelease> live);
   /// Takes no more, does what was submitted, and returns when all of it is reported.
   void Finish();
 

@@ -1,21 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/state/carrying.h"
 
+#include <utility>
+
 namespace waymark::session {
 
-RoomAnchor CarryAnchor(const content::AnchorRecord& record, std::uint64_t epoch,
-                       const Placements& placements) {
-  RoomAnchor anchor{.record = record, .is_supported = false};
-  for (const content::SubmapAttachment& attachment : record.attachments) {
+void Carry(RoomAnchor& anchor, std::uint64_t epoch, const Placements& placements) {
+  anchor.is_supported = false;
+  for (const content::SubmapAttachment& attachment : anchor.record.attachments) {
     const auto placed = placements.find(attachment.submap);
     if (placed == placements.end()) continue;
     anchor.is_supported = true;
-    if (record.epoch != epoch) {
+    if (anchor.record.epoch != epoch) {
       anchor.record.map_from_anchor = CarryPose(placed->second, attachment.submap_from_anchor);
     }
     break;
   }
   anchor.record.epoch = epoch;
+}
+
+RoomAnchor CarryAnchor(content::AnchorRecord record, std::uint64_t epoch,
+                       const Placements& placements) {
+  RoomAnchor anchor{.record = std::move(record)};
+  Carry(anchor, epoch, placements);
   return anchor;
 }
 

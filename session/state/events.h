@@ -96,7 +96,7 @@ struct Localised {
   DeviceId device;
   SubmapId submap;
 };
-/// Another release is live.
+/// Another release shall be live.
 struct ReleaseSwapped {
   std::uint64_t epoch = 1;
   std::shared_ptr<const Placements> placements;  ///< of all its submaps
@@ -163,7 +163,11 @@ struct PublishRoomState {
 struct PublishMapState {
   MapState state;
 };
-/// What a swap did to the anchors of all open rooms; for the log.
+/// From now on this release is live: images are found in it, and what is written holds on to it.
+struct GoLive {
+  std::uint64_t epoch = 1;
+};
+/// What a swap did to the anchors of all rooms, when the last of them is told; for the log.
 struct ReportSwap {
   std::uint64_t epoch = 1;
   std::size_t carried = 0;
@@ -214,6 +218,6 @@ using Effect =
                  effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
                  effect::PublishRoomState, effect::PublishMapState, effect::ReportSwap,
                  effect::WriteAnchor, effect::SendReply, effect::SendOwn, effect::SendOwnChange,
-                 effect::TellArea>;
+                 effect::TellArea, effect::GoLive>;
 
 }  // namespace waymark::session

@@ -2,6 +2,7 @@
 #include "session/state/room.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace waymark::session {
 namespace {
@@ -23,7 +24,7 @@ bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b
          a.expires_utc_ms == b.expires_utc_ms;
 }
 
-void AnchorSet::Put(const RoomAnchor& anchor) {
+void AnchorSet::Put(RoomAnchor anchor) {
   const std::uint64_t new_revision = anchor.record.revision;
   if (const auto found = anchors.find(anchor.record.id); found != anchors.end()) {
     const std::uint64_t known_revision = found->second.record.revision;
@@ -35,9 +36,10 @@ void AnchorSet::Put(const RoomAnchor& anchor) {
     }
     digest ^= AnchorDigest(anchor.record.id, found->second.record.revision);
   }
-  anchors.insert_or_assign(anchor.record.id, anchor);
   digest ^= AnchorDigest(anchor.record.id, new_revision);
   revision = std::max(revision, new_revision);
+  const AnchorId id = anchor.record.id;
+  anchors.insert_or_assign(id, std::move(anchor));
 }
 
 bool AnchorSet::Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion) {
@@ -57,6 +59,13 @@ bool AnchorSet::IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revisio
   return first <= known_revision && known_revision <= latest;
 }
 
+void Passage::BeginAnew() {
+  owner.clear();
+  own_are_through = is_at_end = false;
+  last.reset();
+  submaps.clear();
+}
+
 const RoomAnchor* Room::Find(const AnchorId& anchor, const std::string& owner) const {
   const auto find_in = [&](const AnchorSet& set) {
     const auto found = set.anchors.find(anchor);
@@ -72,6 +81,18 @@ const RoomAnchor* Room::Find(const AnchorId& anchor) const {
     if (set.anchors.contains(anchor)) return Find(anchor, owner);
   }
   return Find(anchor, "");
+}
+
+RoomAnchor* Room::Find(const AnchorId& anchor) {
+  const auto find_in = [&](AnchorSet& set) {
+    const auto found = set.anchors.find(anchor);
+    return found == set.anchors.end() ? nullptr : &found->second;
+  };
+  if (RoomAnchor* const found = find_in(shared)) return found;
+  for (auto& [owner, set] : own) {
+    if (RoomAnchor* const found = find_in(set)) return found;
+  }
+  return nullptr;
 }
 
 std::size_t Room::OwnCount() const {

@@ -60,18 +60,35 @@ struct AnchorSet {
 
   /// Brings an anchor to the state that the store acknowledged; a later state wins. States are
   /// compared, so both must be in the live map.
-  void Put(const RoomAnchor& anchor);
+  void Put(RoomAnchor anchor);
   /// Whether it was there.
   bool Remove(const AnchorId& anchor, std::uint64_t revision_of_deletion);
   /// Whether who knows this revision of an anchor knows it as it is.
   bool IsUpToDate(const RoomAnchor& anchor, std::uint64_t known_revision) const;
 };
 
+/// How far the anchors of a room have come on their way to another release, in which they are told
+/// some at a time: its owners' first, by owner and name.
+struct Passage {
+  std::string owner;                ///< whose are next; those of all before are through
+  bool own_are_through = false;     ///< all owners'
+  bool is_at_end = false;           ///< those for all too
+  std::optional<AnchorId> last;     ///< of the present set; absent: it has not begun
+  std::set<AnchorId> again = {};    ///< to be told once more
+  std::set<SubmapId> submaps = {};  ///< that carry those for all; as many as a MapState holds
+  /// Where the live release shows those that it does not support: no submap leads back there.
+  std::map<AnchorId, Transform<Map, Anchor>> unsupported = {};
+
+  bool IsThrough() const { return is_at_end && again.empty(); }
+  void BeginAnew();
+};
+
 /// A room in memory.
 struct Room {
   bool is_open = false;                       ///< false: its anchors are being read
   bool has_parts = false;                     ///< some of them have been
-  std::vector<event::HelloReceived> waiting;  ///< while not open
+  std::vector<event::HelloReceived> waiting;  ///< while not open, or on its way
+  std::optional<Passage> passage;             ///< present: told anchors are of two releases
   std::set<DeviceId> members;
   std::vector<DeviceId> poses_due;       ///< some of them may have left since
   std::uint32_t poses_told = 0;          ///< in which tick
@@ -92,7 +109,9 @@ struct Room {
   const RoomAnchor* Find(const AnchorId& anchor, const std::string& owner) const;
   /// What holds it, whoever may see it; null: nothing.
   const RoomAnchor* Find(const AnchorId& anchor) const;
+  RoomAnchor* Find(const AnchorId& anchor);
   std::size_t OwnCount() const;  ///< of all owners
+  bool HasAnchors() const { return !shared.anchors.empty() || !own.empty(); }
 };
 
 }  // namespace waymark::session

@@ -17,6 +17,7 @@ void SessionState::On(const event::CommandReceived& event, Step& step) {
   const AnchorCommand command = InLiveMap(event.command);
   RoomMember* const member = FindHeard(command.ticket, step.now);
   if (member == nullptr || member->under_way.contains(command.request)) return;
+  Settle(rooms_.at(member->room), command.anchor);
   const auto answered =
       std::find_if(member->answered.begin(), member->answered.end(),
                    [&](const CommandReply& reply) { return reply.request == command.request; });

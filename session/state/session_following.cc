@@ -36,15 +36,20 @@ void SessionState::Follow(Room& room, const content::AnchorChange& change, Step&
 }
 
 /// An anchor that became its owner's alone goes from the others' eyes, and the other way round.
-void SessionState::Show(Room& room, const RoomAnchor& anchor, Step& step) {
+void SessionState::Show(Room& room, RoomAnchor anchor, Step& step) {
   const content::AnchorRecord& record = anchor.record;
+  Settle(room, record.id);
+  if (IsStaging()) {
+    if (!room.passage) room.passage.emplace();
+    room.passage->again.insert(record.id);
+  }
   if (!IsForTheRoom(record)) {
     HideShared(room, record.room, record.id, record.revision, step);
-    return ShowOwn(room, anchor, step);
+    return ShowOwn(room, std::move(anchor), step);
   }
   HideOwn(room, record.id, record.revision, step);
-  room.shared.Put(anchor);
   PublishAnchor(room, anchor, step);
+  room.shared.Put(std::move(anchor));
 }
 
 void SessionState::Hide(Room& room, const RoomId& id, const AnchorId& anchor,
@@ -66,10 +71,11 @@ void SessionState::HideShared(Room& room, const RoomId& id, const AnchorId& anch
 
 // ---- what an owner alone may see --------------------------------------------------------------
 
-void SessionState::ShowOwn(Room& room, const RoomAnchor& anchor, Step& step) {
-  const std::string& owner = anchor.record.owner;
-  room.own[owner].Put(anchor);
-  TellOwnChange(room, owner, AnchorState{run_, anchor}, step);
+void SessionState::ShowOwn(Room& room, RoomAnchor anchor, Step& step) {
+  const std::string owner = anchor.record.owner;
+  const AnchorState told{run_, anchor};
+  room.own[owner].Put(std::move(anchor));
+  TellOwnChange(room, owner, told, step);
 }
 
 void SessionState::HideOwn(Room& room, const AnchorId& anchor, std::uint64_t revision, Step& step) {
@@ -115,7 +121,8 @@ void SessionState::TellOwn(RoomMember& member, Step& step) {
 void SessionState::TellOwnDue(Step& step) {
   constexpr std::chrono::seconds kInterval{1};
   for (auto& [device, member] : members_) {
-    if (member.is_own_due && step.now - member.own_told >= kInterval) TellOwn(member, step);
+    if (!member.is_own_due || step.now - member.own_told < kInterval) continue;
+    if (!rooms_.at(member.room).passage) TellOwn(member, step);
   }
 }
 

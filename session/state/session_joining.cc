@@ -19,13 +19,17 @@ void SessionState::On(const event::HelloReceived& event, Step& step) {
   if (const auto objection = FindObjection(event, step.now)) {
     return Refuse(hello, JoinVerdict::kRefused, *objection, step);
   }
+  const auto room = rooms_.find(hello.room);
+  const bool is_on_its_way = room != rooms_.end() && room->second.passage;
   if (const auto found = members_.find(hello.device); found != members_.end()) {
-    if (found->second.room == hello.room) return Renew(found->second, event, step);
+    if (found->second.room == hello.room) {
+      found->second.last_heard = step.now;
+      return is_on_its_way ? Wait(room->second, event, step) : Renew(found->second, event, step);
+    }
     Remove(hello.device, step);
   }
-  const auto room = rooms_.find(hello.room);
-  if (room != rooms_.end() && room->second.is_open) return Admit(event, step);
-  OpenFor(event, step);
+  if (room == rooms_.end() || !room->second.is_open) return OpenFor(event, step);
+  is_on_its_way ? Wait(room->second, event, step) : Admit(event, step);
 }
 
 void SessionState::Admit(const event::HelloReceived& event, Step& step) {
@@ -120,15 +124,15 @@ void SessionState::Refuse(const Hello& hello, JoinVerdict verdict, const std::st
 }
 
 void SessionState::On(const event::DeviceLeft& event, Step& step) {
-  if (members_.contains(event.device)) {
-    return event.said_goodbye ? Remove(event.device, step) : SetAway(event.device, step);
-  }
-  if (event.said_goodbye) (void)TakeAway(event.device);
   for (auto& [id, room] : rooms_) {
     std::erase_if(room.waiting, [&](const event::HelloReceived& waiting) {
       return waiting.hello.device == event.device;
     });
   }
+  if (members_.contains(event.device)) {
+    return event.said_goodbye ? Remove(event.device, step) : SetAway(event.device, step);
+  }
+  if (event.said_goodbye) (void)TakeAway(event.device);
 }
 
 RoomMember SessionState::Unseat(const DeviceId& device, Step& step) {

@@ -24,15 +24,19 @@ void SessionState::OpenFor(const event::HelloReceived& event, Step& step) {
     }
     step.effects.push_back(effect::LoadRoom{hello.room});
   }
-  Room& opening = rooms_[hello.room];
-  opening.last_used = step.now;
-  const auto repeated = std::find_if(
-      opening.waiting.begin(), opening.waiting.end(),
-      [&](const event::HelloReceived& waiting) { return waiting.hello.device == hello.device; });
-  if (repeated != opening.waiting.end()) {
+  Wait(rooms_[hello.room], event, step);
+}
+
+void SessionState::Wait(Room& room, const event::HelloReceived& event, Step& step) {
+  room.last_used = step.now;
+  const auto repeated = std::find_if(room.waiting.begin(), room.waiting.end(),
+                                     [&](const event::HelloReceived& waiting) {
+                                       return waiting.hello.device == event.hello.device;
+                                     });
+  if (repeated != room.waiting.end()) {
     *repeated = event;
-  } else if (opening.waiting.size() < options_.max_members) {
-    opening.waiting.push_back(event);
+  } else if (room.waiting.size() < options_.max_members) {
+    room.waiting.push_back(event);
   }
 }
 
@@ -49,24 +53,11 @@ void SessionState::ShowLoaded(const RoomId& id, Room& room, const std::vector<Ro
   for (const RoomAnchor& loaded : anchors) Show(room, InLiveMap(loaded), step);
 }
 
-/// Another release may have gone live between two parts.
-void SessionState::ShowMoved(Room& room, Step& step) {
-  std::vector<RoomAnchor> moved;
-  const auto look_at = [&](const AnchorSet& set) {
-    for (const auto& [id, anchor] : set.anchors) {
-      if (anchor.record.epoch != map_.epoch) moved.push_back(InLiveMap(anchor));
-    }
-  };
-  look_at(room.shared);
-  for (const auto& [owner, set] : room.own) look_at(set);
-  for (const RoomAnchor& anchor : moved) Show(room, anchor, step);
-}
-
 void SessionState::On(const event::RoomLoaded& event, Step& step) {
   const auto found = rooms_.find(event.room);
   if (found == rooms_.end() || found->second.is_open) return;
   Room& room = found->second;
-  const std::vector<event::HelloReceived> waiting = std::move(room.waiting);
+  const std::vector<event::HelloReceived> waiting = std::exchange(room.waiting, {});
   if (!event.revision.ok()) {
     rooms_.erase(found);
     for (const event::HelloReceived& hello : waiting) {
@@ -76,15 +67,15 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
   }
   room.is_open = true;
   room.capacity = static_cast<std::uint32_t>(options_.max_members);
-  room.waiting.clear();
   room.shared.revision = room.followed = *event.revision;
   ShowLoaded(event.room, room, event.anchors, step);
-  if (room.has_parts) ShowMoved(room, step);
   for (const content::AnchorChange& change : std::exchange(room.early, {})) {
     Follow(room, change, step);
   }
   PublishState(event.room, room, step);
-  for (const event::HelloReceived& hello : waiting) Admit(hello, step);
+  for (const event::HelloReceived& hello : waiting) {
+    room.passage ? Wait(room, hello, step) : Admit(hello, step);
+  }
 }
 
 }  // namespace waymark::session

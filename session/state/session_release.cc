@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What becomes of a session when another release goes live under it: nothing that people see moves.
 #include <algorithm>
+#include <utility>
 
 #include "session/state/carrying.h"
 #include "session/state/session_state.h"
@@ -16,43 +17,42 @@ void SessionState::On(const event::Localised& event, Step&) {
   if (found_in.size() > kMaxAttachments) found_in.pop_back();
 }
 
+// A phone carries what it holds by the submaps that a MapState names. Where that has room for all
+// of them the release goes live at once, and anchors are told in it afterwards. Else they are told
+// first, wait on the phones, and are shown from when it goes live.
 void SessionState::On(const event::ReleaseSwapped& event, Step& step) {
-  if (event.epoch == map_.epoch) return;
-  epoch_before_ = map_.epoch;
-  placements_before_ = std::move(placements_);
-  map_.epoch = event.epoch;
-  placements_ = event.placements;
-  ++swaps_;
-  effect::ReportSwap report{.epoch = event.epoch};
+  if (event.epoch == (carrying_ ? carrying_->epoch : map_.epoch)) return;
+  const bool is_live = event.epoch == map_.epoch;  // one that was on its way is given up
+  carrying_.emplace(Carrying{event.epoch, event.placements, is_live});
+  if (!is_live) carrying_->report = {.epoch = event.epoch};
   for (auto& [id, room] : rooms_) {
-    if (!room.is_open) continue;  // its anchors are carried when they have been read
-    const auto carry = [&](RoomAnchor& anchor) {
-      const Eigen::Vector3d was = anchor.record.map_from_anchor.translation();
-      anchor = InLiveMap(anchor);
-      const double motion_m = (anchor.record.map_from_anchor.translation() - was).norm();
-      report.max_motion_m = std::max(report.max_motion_m, motion_m);
-      ++(anchor.is_supported ? report.carried : report.unsupported);
-    };
-    // First, so that they wait on the device for the map's state, which is told to all and does not
-    // say what they hold on to.
-    for (auto& [owner, set] : room.own) {
-      for (auto& [anchor_id, anchor] : set.anchors) {
-        carry(anchor);
-        TellOwnChange(room, owner, AnchorState{run_, anchor}, step);
-      }
+    if (room.passage) {
+      room.passage->BeginAnew();
+    } else if (room.HasAnchors()) {
+      room.passage.emplace();
     }
+  }
+  const bool fits = !placements_ || event.placements->size() <= kMaxPlacements;
+  if (!is_live && fits) GoLive(step);
+  CarryOn(step);
+}
+
+void SessionState::GoLive(Step& step) {
+  epoch_before_ = std::exchange(map_.epoch, carrying_->epoch);
+  placements_before_ = std::exchange(placements_, carrying_->placements);
+  carrying_->is_live = true;
+  ++swaps_;
+  step.effects.push_back(effect::GoLive{map_.epoch});
+  for (auto& [id, room] : rooms_) {
+    if (room.passage) room.passage->unsupported.clear();
+    if (!room.is_open) continue;
     PublishMap(id, room, step);
-    for (auto& [anchor_id, anchor] : room.shared.anchors) {
-      carry(anchor);
-      PublishAnchor(room, anchor, step);
-    }
     PublishState(id, room, step);
   }
   for (auto& [device, member] : members_) {
     member.pose.reset();  // it was in the other frame; the next comes at once
     member.pose_is_due = false;
   }
-  step.effects.push_back(report);
 }
 
 void SessionState::PublishMap(const RoomId& id, const Room& room, Step& step) {
@@ -62,13 +62,13 @@ void SessionState::PublishMap(const RoomId& id, const Room& room, Step& step) {
     const auto placed = placements_->find(submap);
     if (placed != placements_->end()) state.placements.insert(*placed);
   };
-  for (const DeviceId& device : room.members) {
-    std::ranges::for_each(members_.at(device).found_in, add);
-  }
-  for (const auto& [anchor_id, anchor] : room.shared.anchors) {
-    for (const content::SubmapAttachment& attachment : anchor.record.attachments) {
-      add(attachment.submap);
+  if (placements_->size() <= kMaxPlacements) {
+    state.placements = *placements_;
+  } else {
+    for (const DeviceId& device : room.members) {
+      std::ranges::for_each(members_.at(device).found_in, add);
     }
+    if (room.passage) std::ranges::for_each(room.passage->submaps, add);
   }
   step.effects.push_back(effect::PublishMapState{std::move(state)});
 }
@@ -77,9 +77,9 @@ RoomAnchor SessionState::InLiveMap(const content::AnchorRecord& record) const {
   return placements_ ? CarryAnchor(record, map_.epoch, *placements_) : RoomAnchor{record};
 }
 
-RoomAnchor SessionState::InLiveMap(const RoomAnchor& anchor) const {
-  if (anchor.record.epoch == map_.epoch || !placements_) return anchor;
-  return CarryAnchor(anchor.record, map_.epoch, *placements_);
+RoomAnchor SessionState::InLiveMap(RoomAnchor anchor) const {
+  if (anchor.record.epoch != map_.epoch && placements_) Carry(anchor, map_.epoch, *placements_);
+  return anchor;
 }
 
 // Said before its device heard of the swap.

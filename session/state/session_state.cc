@@ -72,6 +72,7 @@ void SessionState::On(const event::Ticked&, Step& step) {
   const bool is_clock_set_back = step.now < looked_around_;
   if (step.now - looked_around_ >= kLooksAroundEvery || is_clock_set_back) LookAround(step);
   for (auto& [id, room] : rooms_) PublishPoses(id, room, step);
+  CarryOn(step);
 }
 
 void SessionState::LookAround(Step& step) {

@@ -55,6 +55,7 @@ class SessionState {
   std::size_t MemberCount() const { return members_.size(); }
   std::size_t AwayCount() const { return away_.size(); }
   std::size_t RoomCount() const { return rooms_.size(); }
+  std::uint64_t epoch() const { return map_.epoch; }  ///< that is live
 
  private:
   /// What one event leads to.
@@ -68,6 +69,13 @@ class SessionState {
     Uuid request;
     AnchorOperation operation;
     content::AnchorRecord intended;
+  };
+  /// All rooms on their way to another release.
+  struct Carrying {
+    std::uint64_t epoch = 1;
+    std::shared_ptr<const Placements> placements;   // of it
+    bool is_live = false;                           // it is the live one already
+    std::optional<effect::ReportSwap> report = {};  // absent: another one was given up
   };
 
   void On(const event::HelloReceived& event, Step& step);
@@ -90,6 +98,7 @@ class SessionState {
   std::optional<std::string> FindBan(const event::HelloReceived& event, ServerTime now) const;
   void Renew(RoomMember& member, const event::HelloReceived& event, Step& step);
   void OpenFor(const event::HelloReceived& event, Step& step);
+  void Wait(Room& room, const event::HelloReceived& event, Step& step);
   void Admit(const event::HelloReceived& event, Step& step);
   void Seat(RoomMember member, bool is_return, Step& step);
   void Greet(const RoomMember& member, bool is_return, Step& step);
@@ -115,13 +124,12 @@ class SessionState {
   void PublishMap(const RoomId& id, const Room& room, Step& step);
   void Follow(Room& room, const content::AnchorChange& change, Step& step);
   void ShowLoaded(const RoomId& id, Room& room, const std::vector<RoomAnchor>& anchors, Step& step);
-  void ShowMoved(Room& room, Step& step);
-  void Show(Room& room, const RoomAnchor& anchor, Step& step);
+  void Show(Room& room, RoomAnchor anchor, Step& step);
   void PublishAnchor(Room& room, const RoomAnchor& anchor, Step& step);
   void PublishAreas(Room& room, Step& step);
   void Hide(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
             Step& step);
-  void ShowOwn(Room& room, const RoomAnchor& anchor, Step& step);
+  void ShowOwn(Room& room, RoomAnchor anchor, Step& step);
   void HideOwn(Room& room, const AnchorId& anchor, std::uint64_t revision, Step& step);
   void HideShared(Room& room, const RoomId& id, const AnchorId& anchor, std::uint64_t revision,
                   Step& step);
@@ -130,8 +138,20 @@ class SessionState {
   void TellOwn(RoomMember& member, Step& step);
   void TellOwnDue(Step& step);
   OwnerState StateOf(const Room& room, const std::string& owner) const;
+  void GoLive(Step& step);
+  void CarryOn(Step& step);
+  Room* FindRoomToCarry();
+  void CarrySome(Room& room, int& budget, Step& step);
+  bool CarrySome(AnchorSet& set, Room& room, int& budget, Step& step);
+  void CarryAcross(RoomAnchor& anchor, Passage& passage);
+  void TellCarried(Room& room, const RoomAnchor& anchor, Step& step);
+  void Arrive(Step& step);
+  void LetIn(Room& room, Step& step);
+  bool IsStaging() const { return carrying_ && !carrying_->is_live; }
+  void SetInLiveMap(RoomAnchor& anchor, const Passage& passage) const;
+  void Settle(Room& room, const AnchorId& anchor);
   RoomAnchor InLiveMap(const content::AnchorRecord& record) const;
-  RoomAnchor InLiveMap(const RoomAnchor& anchor) const;
+  RoomAnchor InLiveMap(RoomAnchor anchor) const;
   AnchorCommand InLiveMap(const AnchorCommand& command) const;
   void Acknowledge(Room& room, const PendingWrite& write, const RoomAnchor& written, Step& step);
   void Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
@@ -145,6 +165,7 @@ class SessionState {
   std::shared_ptr<const Placements> placements_before_;  ///< of the release before, if known
   std::uint64_t epoch_before_ = 0;
   std::uint32_t swaps_ = 0;
+  std::optional<Carrying> carrying_;  ///< absent: all are in the live release
   std::map<RoomId, Room> rooms_;
   std::map<DeviceId, RoomMember> members_;
   struct AwayMember {

@@ -176,24 +176,32 @@ TEST_F(Ownership, WhatBecomesPrivateGoesFromTheOthersAndTheOtherWayRound) {
   EXPECT_TRUE(std::holds_alternative<AnchorId>(All<effect::SendOwnChange>().front().change));
 }
 
-TEST_F(Ownership, AReleaseCarriesPrivateAnchorsToo) {
-  const auto placements = [](double east_m) {
-    return std::make_shared<const Placements>(Placements{
-        {SubmapId("s"),
-         Similarity<Map, Submap>(Sim3(1, Eigen::Quaterniond::Identity(), {east_m, 0, 0}))}});
-  };
-  state_ = SessionState(options_, RunId{42}, map_, placements(0));
-  OpenWithAnnaTwiceAndBen();
-  content::AnchorRecord record = Record(1, 5, AnchorVisibility::kPrivate);
-  record.attachments = {{SubmapId("s"), Transform<Submap, Anchor>()}};
-  Tell(record);
-  Play(event::ReleaseSwapped{2, placements(7)});
-  ASSERT_THAT(Told(), SizeIs(2));
-  const auto& state = std::get<AnchorState>(All<effect::SendOwnChange>().front().change);
-  EXPECT_EQ(state.anchor.record.epoch, 2u);
-  EXPECT_NEAR(state.anchor.record.map_from_anchor.translation().x(), 7, 1e-12);
-  EXPECT_THAT(Only<effect::PublishMapState>().state.placements, IsEmpty())
-      << "the room does not learn where it is";
+TEST_F(Ownership, AReleaseCarriesPrivateAnchorsTooAndTheRoomDoesNotLearnWhere) {
+  for (const std::size_t others : {std::size_t{2}, kMaxPlacements}) {  // all can be told, or not
+    const auto placements = [&](double east_m) {
+      const auto at = [](double x_m) {
+        return Similarity<Map, Submap>(Sim3(1, Eigen::Quaterniond::Identity(), {x_m, 0, 0}));
+      };
+      Placements placed{{SubmapId("s"), at(east_m)}};
+      for (std::size_t i = 0; i < others; ++i) {
+        placed.emplace(SubmapId(fmt::format("other {}", i)), at(0));
+      }
+      return std::make_shared<const Placements>(placed);
+    };
+    state_ = SessionState(options_, RunId{42}, map_, placements(0));
+    OpenWithAnnaTwiceAndBen();
+    content::AnchorRecord record = Record(1, 5, AnchorVisibility::kPrivate);
+    record.attachments = {{SubmapId("s"), Transform<Submap, Anchor>()}};
+    Tell(record);
+    Play(event::ReleaseSwapped{2, placements(7)});
+    ASSERT_THAT(Told(), SizeIs(2));
+    const auto& state = std::get<AnchorState>(All<effect::SendOwnChange>().front().change);
+    EXPECT_EQ(state.anchor.record.epoch, 2u);
+    EXPECT_NEAR(state.anchor.record.map_from_anchor.translation().x(), 7, 1e-12);
+    // All of the map's, whatever holds on to them, or none because of it.
+    EXPECT_THAT(Only<effect::PublishMapState>().state.placements,
+                SizeIs(others < kMaxPlacements ? others + 1 : 0));
+  }
 }
 
 TEST_F(Ownership, ADeviceThatIsHereHasNoOtherOwner) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Another release goes live under a session: nothing moves for those who are there.
+#include <algorithm>
 #include <array>
 
+#include "session/server/attachments.h"
 #include "tests/session/session_fixture.h"
 
 namespace waymark::session {
@@ -167,6 +169,105 @@ TEST_F(ReleaseSwap, AnAnchorOutlivesAllSubmapsThatItBeganWith) {
   known.revision = revision - 1;  // what the application read before it was attached anew
   const auto moved = anna->MoveAnchor(known, known.map_from_anchor);
   EXPECT_TRUE(moved.ok()) << ToString(moved.error());
+}
+
+/// As MakeRelease, in a map of more submaps than phones can be told of.
+mapping::Release MakeLarge(std::uint64_t epoch) {
+  mapping::Release release = support::MakeRelease(epoch);
+  mapping::ReleasedSubmap far = release.submaps.front();
+  far.centre = Point<Map>(5000, 0, 0);
+  for (std::size_t i = 0; i < kMaxPlacements; ++i) {
+    far.id = SubmapId(fmt::format("ff{:030x}", i));
+    release.submaps.push_back(far);
+  }
+  return release;
+}
+
+class LargeRoom : public ReleaseSwap {
+ protected:
+  static constexpr int kAnchors = 1000;  // four portions
+
+  /// Anchors about the origin, one of which Anna looks at.
+  void StartWithMany() {
+    const mapping::Release release = MakeLarge(1);
+    const TangentPlane map_plane(support::MapOrigin());
+    std::vector<content::AnchorRecord> records;
+    for (std::uint64_t i = 0; i < kAnchors; ++i) {
+      content::AnchorRecord record{.id = AnchorId(FormatUuid(UuidFromBits(7, i))),
+                                   .room = RoomId("square")};
+      record.owner = FormatUuid(UuidFromBits(8, 0));
+      record.map_from_anchor = {Eigen::Quaterniond::Identity(),
+                                {0.1 * static_cast<double>(i), 2, 1}};
+      record.attachments = AttachToSubmaps(record.map_from_anchor, {}, release);
+      record.place = map_plane.ToGeo(Point<Map>(record.map_from_anchor.translation()));
+      record.kind = "note";
+      records.push_back(std::move(record));
+    }
+    auto store = content::OpenSqliteStore(StorePath());
+    ASSERT_TRUE(store.ok());
+    for (const auto& created : (*store)->CreateMany(records)) ASSERT_TRUE(created.ok());
+    store->reset();
+    StartServer(release);
+    first_ = records.front().id;
+    last_ = records.back().id;
+  }
+  void SwapToLarge(std::uint64_t epoch) {
+    const mapping::Release release = MakeLarge(epoch);
+    server_->Swap({release, support::BelievePrior(release)});
+  }
+  static bool HasAll(const DeviceSession& session, std::uint64_t epoch) {
+    const auto anchors = session.Anchors();
+    return session.HasSnapshot() && anchors.size() == kAnchors &&
+           std::ranges::all_of(anchors, [&](const auto& one) { return one.epoch == epoch; });
+  }
+
+  AnchorId first_{""}, last_{""};
+};
+
+TEST_F(LargeRoom, GoesOverUnderThoseWhoAreThereAndThoseWhoCome) {
+  StartWithMany();
+  const auto anna = Join("Anna");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  ASSERT_TRUE(Eventually([&] { return HasAll(*anna, 1); }));
+  const std::array seen{Look(*anna, first_), Look(*anna, last_)};
+  const auto look = [&] {
+    EXPECT_LT(Difference(seen[0], Look(*anna, first_)).norm(), 1e-6);
+    EXPECT_LT(Difference(seen[1], Look(*anna, last_)).norm(), 1e-6);
+  };
+  SwapToLarge(2);
+  SwapToLarge(3);
+  const auto ben = Join("Ben");
+  ASSERT_TRUE(Eventually([&] {
+    look();
+    return HasAll(*anna, 3);
+  }));
+  ASSERT_TRUE(Eventually([&] { return HasAll(*ben, 3); }));
+  EXPECT_EQ(ben->DescribeMap().epoch, 3u);
+  SwapToLarge(2);
+  SwapToLarge(3);
+  ASSERT_TRUE(Eventually([&] {
+    look();
+    return HasAll(*anna, 3);
+  }));
+  EXPECT_EQ(anna->Statistics().joins, 1);
+}
+
+TEST_F(LargeRoom, OutlivesAServerThatEndsOnTheWay) {
+  StartWithMany();
+  const auto anna = Join("Anna");
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  ASSERT_TRUE(Eventually([&] { return HasAll(*anna, 1); }));
+  const Rigid3 seen = Look(*anna, last_);
+  const Eigen::Vector3d before = FindAnchor(*anna, last_)->map_from_anchor.translation();
+  SwapToLarge(2);
+  StopServer();
+  EXPECT_LT(Difference(seen, Look(*anna, last_)).norm(), 1e-6);
+  StartServer(MakeLarge(2));
+  ASSERT_TRUE(Eventually([&] { return HasAll(*anna, 2); }));
+  const Eigen::Vector3d after = FindAnchor(*anna, last_)->map_from_anchor.translation();
+  EXPECT_LT((after - before - Eigen::Vector3d(5, 0, 0)).norm(), 1e-9) << "where its submap went";
 }
 
 }  // namespace

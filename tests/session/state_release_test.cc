@@ -109,14 +109,12 @@ TEST_F(StateRelease, ARoomThatIsReadInPartsIsAllOfTheLiveRelease) {
   EXPECT_EQ(All<effect::OpenRoom>().size(), 1u);
   EXPECT_EQ(All<effect::PublishAnchor>().size(), 1u);
   Swap(2, At(0.5));
+  EXPECT_DOUBLE_EQ(X(Only<effect::PublishAnchor>().state.anchor), 7.5) << "read before the swap";
   Play(event::RoomPartLoaded{RoomId("square"), {Anchor(2, 8, {"a"})}});
   EXPECT_TRUE(None<effect::SendWelcome>());
   LoadRoom("square", {Anchor(3, 9, {"a"})});
   EXPECT_TRUE(None<effect::OpenRoom>());
-  const auto told = All<effect::PublishAnchor>();
-  ASSERT_EQ(told.size(), 2u) << "the last part, and what was read before the swap";
-  EXPECT_DOUBLE_EQ(X(told[0].state.anchor), 9.5);
-  EXPECT_DOUBLE_EQ(X(told[1].state.anchor), 7.5);
+  EXPECT_DOUBLE_EQ(X(Only<effect::PublishAnchor>().state.anchor), 9.5);
   EXPECT_EQ(Only<effect::PublishRoomState>().state.anchor_count, 3u);
   EXPECT_EQ(Only<effect::SendWelcome>().welcome.verdict, JoinVerdict::kAccepted);
 }

@@ -80,6 +80,12 @@ void Visit(Archive& archive, effect::PublishMapState& value) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, effect::GoLive& value) {
+  auto& [epoch] = value;
+  archive(epoch);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, effect::ReportSwap& value) {
   auto& [epoch, carried, unsupported, motion] = value;
   archive(epoch, carried, unsupported, motion);

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "session/recording/recorder.h"
+#include "session/server/attachments.h"
 #include "session/server/internal/room_loading.h"
 #include "session/server/publisher.h"
 #include "session/server/server.h"
@@ -29,9 +30,14 @@ class Server::Loop {
   ServerCounters Stop();
 
  private:
+  /// A release that shall be live.
+  struct Prepared {
+    std::shared_ptr<const LiveRelease> release;
+    LocaliseFunction localise;
+  };
   struct Item {
     ServerTime arrived;
-    std::variant<wire::Upward, GatewayReport, Event, LocaliseAnswer, ServedRelease> content;
+    std::variant<wire::Upward, GatewayReport, Event, LocaliseAnswer, Prepared> content;
   };
 
   // On DDS threads.
@@ -52,11 +58,13 @@ class Server::Loop {
   void On(AreaReport report, ServerTime) { Apply(event::AreaReceived{report}); }
   std::optional<ClockPong> AnswerTo(const ClockPing& ping, ServerTime arrived);
   void LookAtDoor();
-  void GoOver(ServedRelease served);
+  void TickIfLateBy(std::chrono::nanoseconds lateness);
+  void GoOver(Prepared next);
   void Deliver(LocaliseAnswer& answer);
   void Apply(const Event& event);
   void Do(effect::LoadRoom wanted, ServerTime now);
   void Do(effect::WriteAnchor wanted, ServerTime now);
+  void Do(effect::GoLive wanted, ServerTime now);
   template <typename Wanted>
   void Do(Wanted wanted, ServerTime now) {
     publisher_->Do(wanted, now);
@@ -66,9 +74,11 @@ class Server::Loop {
   const RunId run_;
   Inbox<Item> inbox_;
   const recording::RecordingHeader begin_;
-  SessionState state_;       // owned by the loop
-  RoomLoading loading_;      // owned by the loop
-  ServerCounters counters_;  // owned by the loop
+  SessionState state_;                               // owned by the loop
+  RoomLoading loading_;                              // owned by the loop
+  std::optional<Prepared> next_release_;             // owned by the loop; until it goes live
+  std::chrono::steady_clock::time_point next_tick_;  // owned by the loop
+  ServerCounters counters_;                          // owned by the loop
   StoreWorkers store_;
   LocalisePool pool_;
   const Role open_role_;
