@@ -13,7 +13,13 @@ using support::Sees;
 using support::StandingPhone;
 using testing::HasSubstr;
 
-using SessionFailure = support::SessionTest;
+class SessionFailure : public support::SessionTest {
+ protected:
+  /// For a device in a process of its own, on the same way as those of this one.
+  std::vector<std::string> DeviceWords(const std::string& name) const {
+    return {"device", MakeDeviceOptions(name).server, std::to_string(domain_), name};
+  }
+};
 
 TEST_F(SessionFailure, ARestartedServerLosesNothingAndDevicesFindItAgain) {
   StartServer();
@@ -69,28 +75,37 @@ TEST_F(SessionFailure, LossOnlyDelays) {
 TEST_F(SessionFailure, AKilledDeviceIsGoneWithinTheLease) {
   StartServer();
   const auto anna = Join("Anna");
-  support::Peer ben({"device", std::to_string(domain_), "Ben"});
-  const DeviceId ben_id(ben.line());
-  ASSERT_TRUE(Eventually([&] { return Sees(*anna, ben_id); })) << ben.line();
-  ben.Kill();
+  constexpr int kKilled = 3;
+  std::array<std::optional<support::Peer>, kKilled> devices;
+  for (auto& device : devices) {
+    device.emplace(DeviceWords("Ben"));
+    ASSERT_TRUE(Eventually([&] { return Sees(*anna, DeviceId(device->line())); }))
+        << device->line();
+  }
+  double sum_s = 0;
+  for (auto& device : devices) device->Kill();
   const auto killed = std::chrono::steady_clock::now();
-  EXPECT_TRUE(Eventually([&] { return !Sees(*anna, ben_id); }));
-  RecordProperty("gone_after_ms",
-                 static_cast<int>(1e3 * Seconds(std::chrono::steady_clock::now() - killed)));
+  for (const auto& device : devices) {
+    EXPECT_TRUE(Eventually([&] { return !Sees(*anna, DeviceId(device->line())); }));
+    sum_s += Seconds(std::chrono::steady_clock::now() - killed);
+  }
+  RecordProperty("gone_after_ms", static_cast<int>(1e3 * sum_s / kKilled));
+  // The lease is 3 s; the rest is for machines that are busy.
+  EXPECT_LT(sum_s / kKilled, 9) << "mean of " << kKilled;
 }
 
 // An app that the phone halts for longer than the lease, and lets go on.
 TEST_F(SessionFailure, APausedDeviceComesBackAsItself) {
   StartServer();
   const auto anna = Join("Anna");
-  support::Peer ben({"device", std::to_string(domain_), "Ben"});
+  support::Peer ben(DeviceWords("Ben"));
   const DeviceId ben_id(ben.line());
   ASSERT_TRUE(Eventually([&] { return Sees(*anna, ben_id); })) << ben.line();
   ben.Pause();
   EXPECT_TRUE(Eventually([&] { return !Sees(*anna, ben_id); }));
   ben.Continue();
   EXPECT_TRUE(Eventually([&] { return Sees(*anna, ben_id); }));
-  EXPECT_TRUE(Eventually([&] { return ben.Ask("?") == "returns=1"; }));
+  EXPECT_TRUE(Eventually([&] { return ben.Ask("?").starts_with("returns=1 "); }));
 }
 
 TEST_F(SessionFailure, AKilledServerLosesNothingThatItAcknowledged) {
