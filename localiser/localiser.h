@@ -43,6 +43,9 @@ struct BurstImage {
   Transform<Vo, Camera> vo_from_camera;
 };
 
+/// What is asked where a burst's images give no pose; with kNone the last must take part in one.
+enum class BurstFallback : std::uint8_t { kLastAlone, kNone };
+
 /// Images that a phone took within seconds, asked as one: landmarks that no single image shows
 /// enough of may be enough together. The answer is about the last one.
 struct BurstRequest {
@@ -50,6 +53,7 @@ struct BurstRequest {
   static constexpr std::size_t kMaxImages = 16;
 
   std::vector<BurstImage> images;  ///< oldest first
+  BurstFallback fallback = BurstFallback::kLastAlone;
 };
 
 enum class LocalisationStatus : std::uint8_t {
@@ -147,7 +151,8 @@ class Localiser {
   Localisation Localise(const LocalisationRequest& request) const;
   /// Solves for all images of a burst at once. Where no pose explains them together, as when only
   /// the last one shows the map or odometry contradicts what images show by themselves, the answer
-  /// is that of the last image alone; `LocalisedPose::images` is 1 then, and `reason` says why.
+  /// is that of the last image alone, unless the burst wants no fallback; `LocalisedPose::images`
+  /// is 1 then, and `reason` says why.
   Localisation Localise(const BurstRequest& burst) const;
 
  private:

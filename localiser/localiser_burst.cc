@@ -44,7 +44,11 @@ Localisation Localiser::Impl::Answer(const BurstRequest& burst) const {
                        request.up_in_camera.value_or(internal::UpInCamera(vo_from_camera))},
                       vo_from_camera});
   }
-  if (SearchTogether({images, features}, answer)) return answer;
+  if (SearchTogether({images, features, burst.fallback}, answer)) return answer;
+  if (burst.fallback == BurstFallback::kNone) {
+    answer.status = LocalisationStatus::kNoConsistentPose;
+    return answer;
+  }
   const std::string together = std::move(answer.reason);
   Search(images.back().request, features.back(), answer);
   answer.reason =
@@ -71,7 +75,8 @@ bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
   const auto odometry = internal::FindOdometryContradiction(best, burst);
   const auto doubt =
       odometry ? odometry : internal::FindDoubt(best.pose->covariance, is_map_in_metres);
-  auto refusal = doubt ? doubt : internal::FindContradiction(best, burst, options);
+  auto refusal = doubt ? doubt : internal::FindAbsence(best, burst);
+  if (!refusal) refusal = internal::FindContradiction(best, burst, options);
   if (!refusal) refusal = internal::FindBurstAmbiguity(candidates, burst, options);
   answer.times.pose_ms += 1e3 * watch.ElapsedS();
   if (refusal) {

@@ -159,6 +159,30 @@ TEST_F(BurstTest, TrustsItsImagesMoreThanWrongOdometry) {
   }
 }
 
+TEST_F(BurstTest, WithoutAFallbackIsAllImagesOrNothing) {
+  const auto localiser = Open();
+  BurstRequest burst = Walk(4, 0, 1.6);
+  burst.fallback = BurstFallback::kNone;
+  const Localisation wrong = localiser->Localise(burst);
+  EXPECT_FALSE(wrong.pose.has_value());
+  EXPECT_EQ(wrong.status, LocalisationStatus::kNoConsistentPose);
+  EXPECT_THAT(wrong.reason, HasSubstr("odometry contradicts"));
+  burst = Walk(4, 0);
+  burst.fallback = BurstFallback::kNone;
+  const Localisation right = localiser->Localise(burst);
+  ASSERT_TRUE(right.pose.has_value()) << right.reason;
+  EXPECT_EQ(right.pose->images, 4);
+}
+
+TEST_F(BurstTest, WithoutAFallbackIsNotCarriedByOdometryAlone) {
+  BurstRequest burst = Walk(3, 0);
+  burst.fallback = BurstFallback::kNone;
+  burst.images[2].request.image = Elsewhere();
+  const Localisation answer = Open()->Localise(burst);
+  EXPECT_FALSE(answer.pose.has_value());
+  EXPECT_THAT(answer.reason, HasSubstr("odometry alone speaks for the last image"));
+}
+
 TEST_F(BurstTest, IsRefusedWhereOdometryIsWrongAndNoImageStandsAlone) {
   const Localisation answer = Open()->Localise(Walk(5, 9, 2));
   EXPECT_FALSE(answer.pose.has_value()) << answer.reason;

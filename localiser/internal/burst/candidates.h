@@ -16,6 +16,7 @@ namespace waymark::localiser::internal {
 struct AskedBurst {
   std::span<const BurstImage> images;
   std::span<const mapping::ImageFeatures> features;
+  BurstFallback fallback = BurstFallback::kLastAlone;
 
   const LocalisationRequest& last() const { return images.back().request; }
 };

@@ -13,7 +13,8 @@
 namespace waymark::localiser::internal {
 namespace {
 
-constexpr double kKeptShare = 0.6;  // of an image's own inliers
+constexpr double kKeptShare = 0.6;            // of an image's own inliers
+constexpr std::ptrdiff_t kMinOwnInliers = 3;  // chance gives one to an image in a hundred
 
 ImageMatches OfImage(const ImageMatches& all, std::uint32_t image) {
   ImageMatches matches;
@@ -84,6 +85,17 @@ std::optional<std::string> FindOdometryContradiction(const Candidate& candidate,
                        i + 1, burst.images.size(), alone, kept);
   }
   return std::nullopt;
+}
+
+std::optional<std::string> FindAbsence(const Candidate& candidate, const AskedBurst& burst) {
+  if (burst.fallback != BurstFallback::kNone) return std::nullopt;
+  const auto& images = candidate.answer.matches.images;
+  const auto own = std::ranges::count_if(
+      candidate.answer.submap_from_camera->inliers,
+      [&](std::uint32_t inlier) { return images[inlier] + 1 == burst.images.size(); });
+  if (own >= kMinOwnInliers) return std::nullopt;
+  return fmt::format("odometry alone speaks for the last image, which shows {} of {} inliers", own,
+                     candidate.answer.submap_from_camera->inliers.size());
 }
 
 std::optional<std::string> FindBurstAmbiguity(std::span<const Candidate> candidates,

@@ -14,6 +14,10 @@ namespace waymark::localiser::internal {
 std::optional<std::string> FindOdometryContradiction(const Candidate& candidate,
                                                      const AskedBurst& burst);
 
+/// Why the pose is carried to the last image by odometry alone, where there is no fallback: the
+/// image shows too few of the inliers. nullopt: it shows enough, or need not.
+std::optional<std::string> FindAbsence(const Candidate& candidate, const AskedBurst& burst);
+
 /// As FindAmbiguity, for all images together.
 std::optional<std::string> FindBurstAmbiguity(std::span<const Candidate> candidates,
                                               const AskedBurst& burst,
