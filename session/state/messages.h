@@ -36,7 +36,8 @@ inline constexpr std::size_t kMaxTokenBytes = 512;
 inline constexpr std::size_t kMaxOwnerSecretBytes = 128;
 inline constexpr std::size_t kMaxPayloadBytes = 64 * 1024;
 inline constexpr std::size_t kMaxImageBytes = 4 * 1024 * 1024;
-inline constexpr std::size_t kMaxPlacements = 256;  ///< of a MapState
+inline constexpr std::size_t kMaxEarlierImages = 15;  ///< of a query
+inline constexpr std::size_t kMaxPlacements = 256;    ///< of a MapState
 inline constexpr std::size_t kMaxAttachments = 3;
 inline constexpr std::size_t kMaxPerGatewayReport = 64;  ///< poses, pings, pongs
 inline constexpr double kMaxCoordinate_m = 1e6;
@@ -110,6 +111,12 @@ struct GeoPrior {
   double sigma_m = 10;
 };
 
+/// An image of a device that an earlier query asked about, and that was not found.
+struct EarlierImage {
+  RequestNumber request{};
+  Transform<Vo, Camera> vo_from_camera;
+};
+
 struct LocaliseQuery {
   Ticket ticket{};
   RequestNumber request{};
@@ -118,6 +125,12 @@ struct LocaliseQuery {
   std::optional<GeoPrior> prior;
   std::optional<Eigen::Vector3d> up_in_camera;
   std::vector<std::uint8_t> image;  ///< JPEG, or encoded features
+  /// Where odometry (metres, z up) saw the camera. With it, an image that is not found may be kept
+  /// for the device's next queries.
+  std::optional<Transform<Vo, Camera>> vo_from_camera = {};
+  /// To be asked together with this one if it is not found alone; of the same odometry, oldest
+  /// first, at most kMaxEarlierImages.
+  std::vector<EarlierImage> earlier = {};
 };
 
 enum class LocaliseStatus : std::uint8_t {

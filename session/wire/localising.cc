@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "session/wire/internal/codec.h"
 
 namespace waymark::session::wire {
@@ -14,6 +16,7 @@ waymark_LocalisedPose EncodeLocalisedPose(const localiser::LocalisedPose& pose) 
   wire.submap_from_camera = EncodePose(pose.submap_from_camera.rigid());
   wire.inliers = static_cast<std::uint32_t>(pose.inliers);
   wire.rms_px = pose.rms_px;
+  wire.images = static_cast<std::uint32_t>(pose.images);
   return wire;
 }
 
@@ -30,13 +33,15 @@ Result<localiser::LocalisedPose> DecodeLocalisedPose(const waymark_LocalisedPose
     return MakeError(ErrorCode::kInvalidArgument, "covariance: expected finite numbers");
   }
   WAYMARK_TRY(CheckRange(wire.inliers, 0, 1e6, "inliers"));
+  WAYMARK_TRY(CheckRange(wire.images, 0, 1 + kMaxEarlierImages, "images"));
   return localiser::LocalisedPose{
       .map_from_camera = Transform<Map, Camera>(map_from_camera),
       .covariance = covariance,
       .submap = submap,
       .submap_from_camera = Transform<Submap, Camera>(submap_from_camera),
       .inliers = static_cast<int>(wire.inliers),
-      .rms_px = wire.rms_px};
+      .rms_px = wire.rms_px,
+      .images = std::max(1, static_cast<int>(wire.images))};
 }
 
 Result<GeoPrior> DecodePrior(const waymark_PositionPrior& wire) {
@@ -49,6 +54,38 @@ Result<Eigen::Vector3d> DecodeUp(const waymark_Vector3& wire) {
   const Eigen::Vector3d up(wire.x, wire.y, wire.z);
   WAYMARK_TRY(CheckRange(up.norm(), 0.99, 1.01, "length of up_in_camera"));
   return Eigen::Vector3d(up.normalized());
+}
+
+Result<Transform<Vo, Camera>> DecodeOdometry(const waymark_Pose& wire) {
+  WAYMARK_TRY_ASSIGN(const Rigid3 vo_from_camera, DecodePose(wire, "vo_from_camera"));
+  return Transform<Vo, Camera>(vo_from_camera);
+}
+
+void EncodeEarlier(const std::vector<EarlierImage>& earlier, waymark_LocaliseQuery& wire,
+                   Scratch& scratch) {
+  auto* const images = scratch.Allocate<waymark_EarlierImage>(earlier.size());
+  for (std::size_t i = 0; i < earlier.size(); ++i) {
+    images[i] = {static_cast<std::uint32_t>(earlier[i].request),
+                 EncodePose(earlier[i].vo_from_camera.rigid())};
+  }
+  PointTo(wire.earlier, images, earlier.size());
+}
+
+Result<std::vector<EarlierImage>> DecodeEarlier(const waymark_LocaliseQuery& wire) {
+  std::vector<EarlierImage> earlier;
+  const auto images = Items(wire.earlier);
+  WAYMARK_TRY(
+      CheckRange(static_cast<double>(images.size()), 0, kMaxEarlierImages, "earlier images"));
+  for (const waymark_EarlierImage& image : images) {
+    const RequestNumber request{image.request};
+    if (wire.vo_from_camera == nullptr || (!earlier.empty() && earlier.back().request >= request)) {
+      return MakeError(ErrorCode::kInvalidArgument,
+                       "earlier images: expected odometry, and numbers that grow");
+    }
+    WAYMARK_TRY_ASSIGN(const auto vo_from_camera, DecodeOdometry(image.vo_from_camera));
+    earlier.push_back({request, vo_from_camera});
+  }
+  return earlier;
 }
 
 }  // namespace
@@ -74,6 +111,11 @@ waymark_LocaliseQuery Encode(const LocaliseQuery& query, Scratch& scratch) {
                           query.up_in_camera->z()};
   }
   PointTo(wire.image, query.image.data(), query.image.size());
+  if (query.vo_from_camera) {
+    wire.vo_from_camera = scratch.Allocate<waymark_Pose>(1);
+    *wire.vo_from_camera = EncodePose(query.vo_from_camera->rigid());
+  }
+  EncodeEarlier(query.earlier, wire, scratch);
   return wire;
 }
 
@@ -94,6 +136,10 @@ Result<LocaliseQuery> Decode(const waymark_LocaliseQuery& wire) {
   if (wire.up_in_camera != nullptr) {
     WAYMARK_TRY_ASSIGN(query.up_in_camera, DecodeUp(*wire.up_in_camera));
   }
+  if (wire.vo_from_camera != nullptr) {
+    WAYMARK_TRY_ASSIGN(query.vo_from_camera, DecodeOdometry(*wire.vo_from_camera));
+  }
+  WAYMARK_TRY_ASSIGN(query.earlier, DecodeEarlier(wire));
   query.image.assign(image.begin(), image.end());
   return query;
 }

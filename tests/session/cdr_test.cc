@@ -49,6 +49,8 @@ TEST(Cdr, WritesWhatCycloneWrites) {
   LocaliseQuery bare = MakeQuery();
   bare.prior.reset();
   bare.up_in_camera.reset();
+  bare.vo_from_camera.reset();
+  bare.earlier.clear();
   ExpectSameBytes(bare, waymark_LocaliseQuery_desc);
   ExpectSameBytes(MakeCommand(random), waymark_AnchorCommand_desc);
   ExpectSameBytes(ClockPing{Ticket{7}, 3, {}}, waymark_ClockPing_desc);

@@ -52,7 +52,10 @@ inline LocaliseQuery MakeQuery() {
           .camera = *CameraModel::Create(CameraKind::kPinhole, 640, 480, parameters),
           .prior = GeoPrior{.position = {Angle::Degrees(52), Angle::Degrees(13), 34}, .sigma_m = 4},
           .up_in_camera = Eigen::Vector3d(0, -1, 0),
-          .image = {1, 2, 3}};
+          .image = {1, 2, 3},
+          .vo_from_camera = Transform<Vo, Camera>(Eigen::Quaterniond(0.6, 0, 0.8, 0), {1, 2, 3}),
+          .earlier = {{RequestNumber{2}, {Eigen::Quaterniond::Identity(), {4, 5, 6}}},
+                      {RequestNumber{4}, {Eigen::Quaterniond::Identity(), {7, 8, 9}}}}};
 }
 
 inline AnchorCommand MakeCommand(waymark::support::RandomGeometry& random) {

@@ -80,6 +80,31 @@ TEST(Wire, HostileQueriesAreRefused) {
   }
 }
 
+TEST(Wire, HostileBurstsAreRefused) {
+  const LocaliseQuery query = MakeQuery();
+  const auto refuse = [&](const auto& change) {
+    EXPECT_THAT(ReturnChanged(query, change), IsRefused());
+  };
+  for (const double bad : {kNan, kInfinity, -kInfinity, 2e6}) {
+    refuse([&](auto& wire) { wire.vo_from_camera->position_m[2] = bad; });
+    refuse([&](auto& wire) { wire.vo_from_camera->quaternion_xyzw[0] = bad; });
+    refuse([&](auto& wire) { wire.earlier._buffer[1].vo_from_camera.position_m[0] = bad; });
+    refuse([&](auto& wire) { wire.earlier._buffer[0].vo_from_camera.quaternion_xyzw[3] = bad; });
+  }
+  refuse([](auto& wire) { wire.vo_from_camera = nullptr; });
+  refuse([](auto& wire) { wire.earlier._buffer[1].request = 2; });  // the same twice
+  refuse([](auto& wire) { wire.earlier._buffer[1].request = 1; });
+  refuse([](auto& wire) { wire.earlier._length = kMaxEarlierImages + 1; });
+  LocaliseQuery many = query;
+  many.earlier.clear();
+  for (std::uint32_t i = 0; i < kMaxEarlierImages; ++i) {
+    many.earlier.push_back({RequestNumber{i}, {}});
+  }
+  EXPECT_TRUE(Return(many).ok());
+  many.earlier.push_back({RequestNumber{kMaxEarlierImages}, {}});
+  EXPECT_FALSE(Return(many).ok());
+}
+
 TEST(Wire, HostileCommandsAreRefused) {
   RandomGeometry random(7);
   const AnchorCommand command = MakeCommand(random);

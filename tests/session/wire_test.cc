@@ -62,13 +62,22 @@ TEST(Wire, LocalisationComesBack) {
   EXPECT_EQ(query->up_in_camera, MakeQuery().up_in_camera);
   EXPECT_NEAR(query->prior->position.latitude.degrees(), 52, 1e-12);
   EXPECT_EQ(query->time, MakeQuery().time);
+  EXPECT_THAT(query->vo_from_camera->rigid(), Near(MakeQuery().vo_from_camera->rigid()));
+  ASSERT_THAT(query->earlier, testing::SizeIs(2));
+  EXPECT_EQ(query->earlier[1].request, RequestNumber{4});
+  EXPECT_THAT(query->earlier[1].vo_from_camera.rigid(),
+              Near(MakeQuery().earlier[1].vo_from_camera.rigid()));
 
   LocaliseQuery bare = MakeQuery();
   bare.prior.reset();
   bare.up_in_camera.reset();
+  bare.vo_from_camera.reset();
+  bare.earlier.clear();
   const auto bare_returned = Return(bare);
   ASSERT_TRUE(bare_returned.ok());
   EXPECT_FALSE(bare_returned->prior || bare_returned->up_in_camera);
+  EXPECT_FALSE(bare_returned->vo_from_camera);
+  EXPECT_THAT(bare_returned->earlier, testing::IsEmpty());
 
   RandomGeometry random(4);
   LocaliseAnswer answer{
@@ -83,7 +92,8 @@ TEST(Wire, LocalisationComesBack) {
                                    .submap = kSubmap,
                                    .submap_from_camera = Transform<Submap, Camera>(random.Rigid()),
                                    .inliers = 30,
-                                   .rms_px = 1.5},
+                                   .rms_px = 1.5,
+                                   .images = 3},
       .queue_ms = 7,
       .times = {.total_ms = 8},
       .received = ServerTime{std::chrono::seconds(9)},
@@ -94,11 +104,29 @@ TEST(Wire, LocalisationComesBack) {
   EXPECT_EQ(returned->pose->covariance, answer.pose->covariance);
   EXPECT_EQ(returned->pose->submap, kSubmap);
   EXPECT_EQ(returned->pose->inliers, 30);
+  EXPECT_EQ(returned->pose->images, 3);
   EXPECT_EQ(returned->times.total_ms, 8);
   EXPECT_EQ(returned->received, answer.received);
   EXPECT_EQ(returned->sent, answer.sent);
   answer.status = LocaliseStatus::kBusy;
   EXPECT_THAT(Return(answer), IsRefused());
+}
+
+TEST(Wire, AQueryOfAClientThatKnowsNoBurstsIsUnderstood) {
+  LocaliseQuery query = MakeQuery();
+  query.vo_from_camera.reset();
+  query.earlier.clear();
+  query.image.assign(8, 1);
+  std::vector<std::uint8_t> frame = EncodeFrame(Upward(query));
+  frame.resize(frame.size() - 12);  // no odometry, and a sequence of none: as it was before
+  const auto size = static_cast<std::uint32_t>(frame.size() - 8);  // head, and the size itself
+  std::memcpy(frame.data() + 4, &size, sizeof(size));
+  const auto understood = DecodeUpward(frame);
+  ASSERT_TRUE(understood.ok()) << ToString(understood.error());
+  const auto& earlier = std::get<LocaliseQuery>(*understood);
+  EXPECT_EQ(earlier.image, query.image);
+  EXPECT_FALSE(earlier.vo_from_camera);
+  EXPECT_THAT(earlier.earlier, testing::IsEmpty());
 }
 
 TEST(Wire, AreasComeBack) {

@@ -102,10 +102,17 @@ struct Layout<waymark_PositionPrior> {
 };
 
 template <>
+struct Layout<waymark_EarlierImage> {
+  static constexpr bool kAppendable = true;
+  static void Visit(auto& archive, auto& m) { archive(m.request, m.vo_from_camera); }
+};
+
+template <>
 struct Layout<waymark_LocaliseQuery> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
-    archive(m.ticket, m.request, m.device_time_ns, m.camera, m.prior, m.up_in_camera, m.image);
+    archive(m.ticket, m.request, m.device_time_ns, m.camera, m.prior, m.up_in_camera, m.image,
+            m.vo_from_camera, AtMost{m.earlier, 15});
   }
 };
 
@@ -113,7 +120,8 @@ template <>
 struct Layout<waymark_LocalisedPose> {
   static constexpr bool kAppendable = true;
   static void Visit(auto& archive, auto& m) {
-    archive(m.map_from_camera, m.covariance, m.submap, m.submap_from_camera, m.inliers, m.rms_px);
+    archive(m.map_from_camera, m.covariance, m.submap, m.submap_from_camera, m.inliers, m.rms_px,
+            m.images);
   }
 };
 
