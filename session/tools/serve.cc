@@ -63,8 +63,9 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
       .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.localiser_memory_mb)};
   WAYMARK_TRY_ASSIGN(const auto localiser, localiser::Localiser::Create(map, release, localising));
   WAYMARK_TRY_ASSIGN(const auto keeper, OpenKeeper(arguments, map.description()));
+  const auto unfound = std::make_shared<UnfoundImages>();
   const MakeLocalise make_localise = [&](std::shared_ptr<const localiser::Localiser> opened) {
-    return Observed(MakeLocaliseFunction(std::move(opened), map.description()), keeper);
+    return Observed(MakeLocaliseFunction(std::move(opened), map.description(), unfound), keeper);
   };
   WAYMARK_TRY_ASSIGN(
       const auto server,
