@@ -83,6 +83,7 @@ std::string EncodeReplay(const Replay& replay, const Walk& walk, const std::stri
                      {"statistics",
                       {{"keyframes_sent", statistics.keyframes_sent},
                        {"fixes", statistics.fixes},
+                       {"burst_fixes", statistics.burst_fixes},
                        {"tile_fixes", statistics.tile_fixes},
                        {"tile_refusals", statistics.tile_refusals},
                        {"refusals", statistics.refusals},

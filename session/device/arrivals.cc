@@ -38,6 +38,7 @@ void LiveSession::On(const Welcome& welcome) {
     case JoinDesk::Outcome::kJoined:
       break;
   }
+  bursts_.Forget();  // the server may, or may know the device by another ticket
   ++statistics_.joins;
   standing_.is_in = true;
   standing_.reason.clear();

@@ -21,6 +21,11 @@ Result<void> DeviceOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "sent features: expected [50, 2000], found {}",
                      max_sent_features);
   }
+  constexpr int kMaxBurstImages = 1 + static_cast<int>(kMaxEarlierImages);
+  if (burst_images < 1 || burst_images > kMaxBurstImages) {
+    return MakeError(ErrorCode::kInvalidArgument, "images of a burst: expected [1, {}], found {}",
+                     kMaxBurstImages, burst_images);
+  }
   if (!(tile_patience.count() >= 0)) {
     return MakeError(ErrorCode::kInvalidArgument, "tile's patience: expected >= 0 s, found {}",
                      tile_patience.count());

@@ -67,6 +67,10 @@ struct DeviceOptions {
   int jpeg_quality = 85;  ///< of what is sent kAsTaken, [30, 100]
   KeyframeContent keyframe_content = KeyframeContent::kPixels;
   int max_sent_features = 300;  ///< of a keyframe's features, the strongest, [50, 2000]
+  /// So many keyframes, [1, 16], are asked as one where the newest is not found alone: it and those
+  /// before it that were not found either, as far as odometry holds. 1: none. No picture travels
+  /// twice; the server keeps their features for a minute.
+  int burst_images = 1;
   /// A small map to localise against while the server is away, see tile.h; empty: none. It serves
   /// where its map and release are the live ones, or no server has said which these are.
   std::filesystem::path tile_folder = {};

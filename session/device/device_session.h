@@ -97,14 +97,16 @@ struct KeyframeTiming {
   double downlink_ms = 0;
   std::size_t image_bytes = 0;
   int width_px = 0;
+  int images = 1;  ///< that it was found by, see DeviceOptions::burst_images
 };
 
 /// Counters for people and tests.
 struct DeviceStatistics {
   int keyframes_sent = 0;
   int superseded = 0;  ///< of these, given up for a newer one before they had left
-  int fixes = 0;       ///< of the server
-  int tile_fixes = 0;  ///< the device's own, against its tile
+  int fixes = 0;        ///< of the server
+  int burst_fixes = 0;  ///< of these, of keyframes that were found together with earlier ones
+  int tile_fixes = 0;   ///< the device's own, against its tile
   int tile_refusals = 0;
   int refusals = 0;  ///< the server answered "not localised" or "busy"
   int timeouts = 0;

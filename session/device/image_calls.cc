@@ -34,6 +34,7 @@ Result<void> LiveSession::PushFrame(const DeviceFrame& frame) {
     if (has_left_) return MakeError(ErrorCode::kUnavailable, "{}: has been left", ServerName());
     if (!standing_.is_in) return NotIn();
     if (frame.gnss) about_ = frame.gnss;
+    bursts_.Observe(frame.vo_from_device, frame.time);
     gaze_in_device_ = frame.device_from_camera.rotation() * Eigen::Vector3d::UnitZ();
     const Instant now = std::chrono::steady_clock::now();
     if (IsTileCurrent()) tile_desk_.Offer(frame, now, join_.IsConnected());
@@ -112,6 +113,7 @@ void LiveSession::SendFrame() {
     frame = images_.TakeFrame(request);
     if (!frame) return;
     query = MakeQuery(*frame, request);
+    bursts_.Ask(*frame, *query);
   }
   const Result<void> sent = Send(*frame, *std::move(query));
   const std::lock_guard lock(mutex_);
@@ -178,6 +180,7 @@ void LiveSession::On(const LocaliseAnswer& answer) {
   const std::optional<ImageDesk::Match> match = images_.TakeMatch(answer.request);
   if (!match) return;
   tile_desk_.OnAnswer(answer.status == LocaliseStatus::kBusy);
+  bursts_.OnAnswer(answer.request, answer.status);
   Judge(answer, *match);
   const std::optional<localiser::LocalisedPose> pose = InLiveMap(answer);
   if (!pose) {
@@ -186,6 +189,7 @@ void LiveSession::On(const LocaliseAnswer& answer) {
   }
   tracker_.AddFix(match->frame, *pose);
   ++statistics_.fixes;
+  if (pose->images > 1) ++statistics_.burst_fixes;
 }
 
 /// What the answer tells of the network and of the image's size.
@@ -201,7 +205,8 @@ void LiveSession::Judge(const LocaliseAnswer& answer, const ImageDesk::Match& ma
                         .pose_ms = answer.times.pose_ms,
                         .server_ms = ms(answer.sent - answer.received),
                         .image_bytes = match.image_bytes,
-                        .width_px = match.width_px};
+                        .width_px = match.width_px,
+                        .images = answer.pose ? answer.pose->images : 1};
   const auto session_now = session_clock_.ToSession(SteadyNow());
   if (session_now) timing.downlink_ms = ms(*session_now - answer.sent);
   timing.uplink_ms = timing.total_ms - timing.encode_ms - timing.server_ms - timing.downlink_ms;

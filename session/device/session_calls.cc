@@ -57,10 +57,12 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
     if (const auto jump = stamp_clock_.Observe(time, SteadyNow())) {
       tracker_.ShiftTime(*jump);
       images_.ShiftTime(*jump);
+      bursts_.ShiftTime(*jump);
       tile_desk_.ShiftTime(*jump);
       ++statistics_.clock_jumps;
     }
     tracker_.PushOdometry(vo_from_device, time);
+    bursts_.Observe(vo_from_device, time);
     const bool is_due = time - last_report_ >= kMinReportInterval || time < last_report_;
     const bool may_share = join_.welcome() && MaySharePose(standing_.role);
     if (has_left_ || !join_.IsConnected() || !may_share || !is_due) return;

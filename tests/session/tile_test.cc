@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A phone that localises by itself, and one that sends features, with a real localiser and map.
-#include <atomic>
-
-#include "session/server/map_localiser.h"
-#include "tests/localiser/map_on_disk.h"
-#include "tests/session/pictured_map.h"
-#include "tests/session/session_fixture.h"
+#include "tests/session/pictured_session.h"
 
 namespace waymark::session {
 namespace {
@@ -51,50 +46,13 @@ class LookingPhone {
   const std::vector<std::uint8_t> picture_ = support::Picture();
 };
 
-class Tiles : public support::SessionTest {
+class Tiles : public support::PicturedSession {
  protected:
-  Tiles() {
-    const auto features =
-        mapping::ExtractFeatures({kPictureWidth, kPictureHeight, support::Picture()}, {});
-    disk_.Add(support::MapOf(*features));
-    disk_.release().created_utc = "2024-01-01T00:00:00Z";
-    EXPECT_TRUE(disk_.map().StoreRelease(disk_.release()).ok());
-    EXPECT_TRUE(disk_.map().Deploy(1).ok());
-  }
-
-  /// Serves the map of the tile, or what says to be another release of it.
-  void Serve(std::uint64_t epoch = 1) {
-    mapping::Release release = disk_.release();
-    release.epoch = epoch;
-    const auto localise = MakeLocaliseFunction(
-        *localiser::Localiser::Create(disk_.map(), release, {}), disk_.map().description());
-    options_.dds_domain = domain_;
-    server_ = support::StartOnFreeDomain(options_, [&] {
-      ServerParts parts = MakeParts(release);
-      parts.map = disk_.map().description();
-      parts.served.localise =
-          [this, localise](const LocaliseQuery& query) -> Result<localiser::Localisation> {
-        last_query_bytes_ = query.image.size();
-        is_last_query_features_ =
-            std::string(query.image.begin(), query.image.begin() + 8) == "WAYMFEAT";
-        return localise(query);
-      };
-      return parts;
-    });
-    ASSERT_NE(server_, nullptr);
-    domain_ = options_.dds_domain;
-    if (support::UsesGateway() && gateway_ == nullptr) StartGateway();
-  }
-
   DeviceOptions WithTile() const {
     DeviceOptions options = MakeDeviceOptions("Anna");
     options.tile_folder = disk_.map().folder();
     return options;
   }
-
-  localiser::MapOnDisk disk_;
-  std::atomic<std::size_t> last_query_bytes_ = 0;
-  std::atomic<bool> is_last_query_features_ = false;
 };
 
 TEST_F(Tiles, ServeWhileTheServerIsAway) {

@@ -27,9 +27,11 @@ Result<void> Play(phone::Flags flags) {
   WAYMARK_TRY_ASSIGN(const auto replay,
                      phone::ReplayWalk(walk, *device, flags.replay, stop_requested));
   const auto statistics = device->Statistics();
-  LogInfo("{}: {} fixes of {} keyframes, {} by its tile, {} anchors known", flags.device.name,
-          statistics.fixes, statistics.keyframes_sent, statistics.tile_fixes,
-          replay.anchors.size());
+  LogInfo(
+      "{}: {} fixes of {} keyframes, {} of them with earlier ones, {} by its tile, {} anchors "
+      "known",
+      flags.device.name, statistics.fixes, statistics.keyframes_sent, statistics.burst_fixes,
+      statistics.tile_fixes, replay.anchors.size());
   const auto json = phone::EncodeReplay(replay, walk, flags.device.name, device->id(), statistics);
   device->Leave();
   return StoreFileAtomically(flags.out, std::string_view(json));

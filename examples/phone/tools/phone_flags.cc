@@ -45,6 +45,10 @@ void AddLocalising(CLI::App& app, session::DeviceOptions& device) {
                  "small map to localise against while the server is away, for example from\n"
                  "waymark-map summarise MAP --submap ID --max-mb 0.95 --out TILE")
       ->check(CLI::ExistingDirectory);
+  app.add_option("--burst", device.burst_images,
+                 "keyframes that are asked as one where the newest is not found alone")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 16));
   app.add_option_function<int>(
       "--send-features",
       [&](int count) {

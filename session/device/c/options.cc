@@ -6,6 +6,7 @@
 #include "session/device/c/held.h"
 #include "session/device/clock_estimator.h"
 #include "session/state/anchors.h"
+#include "session/state/messages.h"
 
 namespace waymark::session::c {
 namespace {
@@ -61,6 +62,8 @@ constexpr std::array kNumbers{
                        n > 0 ? KeyframeContent::kFeatures : KeyframeContent::kPixels;
                    if (n > 0) options.max_sent_features = static_cast<int>(n);
                  }},
+    NumberOption{"burst_images", 1, 1 + kMaxEarlierImages, true,
+                 [](auto& options, double n) { options.burst_images = static_cast<int>(n); }},
     NumberOption{
         "tile_patience_s", 0, 3600, false,
         [](auto& options, double n) { options.tile_patience = std::chrono::duration<double>(n); }},

@@ -12,6 +12,7 @@
 #include "session/device/device_session.h"
 #include "session/device/image_sizer.h"
 #include "session/device/internal/area_desk.h"
+#include "session/device/internal/burst_desk.h"
 #include "session/device/internal/desks.h"
 #include "session/device/internal/tile_desk.h"
 #include "session/device/pose_tracker.h"
@@ -126,6 +127,7 @@ class LiveSession final : public DeviceSession {
   // Guarded by mutex_.
   JoinDesk join_;
   ImageDesk images_;
+  BurstDesk bursts_;
   TileDesk tile_desk_;
   ImageSizer sizer_;
   CommandDesk commands_;
