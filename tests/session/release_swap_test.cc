@@ -2,6 +2,7 @@
 // Another release goes live under a session: nothing moves for those who are there.
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "session/server/attachments.h"
 #include "tests/session/session_fixture.h"
@@ -251,6 +252,26 @@ TEST_F(LargeRoom, GoesOverUnderThoseWhoAreThereAndThoseWhoCome) {
     return HasAll(*anna, 3);
   }));
   EXPECT_EQ(anna->Statistics().joins, 1);
+}
+
+TEST_F(LargeRoom, WhoWalksOnTheWayKnowsAfterwardsWhatIsNear) {
+  StartWithMany();
+  DeviceOptions options = MakeDeviceOptions("Anna");
+  options.anchor_radius_m = 20;
+  const auto anna = Join(options);
+  StandingPhone phone(*anna, {3, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  ASSERT_TRUE(Eventually([&] { return anna->HasSnapshot(); }));
+  SwapToLarge(2);
+  phone.MoveTo({60, 4, 1});
+  EXPECT_TRUE(Eventually([&] {
+    phone.Live();
+    const auto anchors = anna->Anchors();
+    return anna->DescribeMap().epoch == 2 && anna->HasSnapshot() && anchors.size() > 100 &&
+           std::ranges::all_of(anchors, [&](const auto& one) {
+             return one.epoch == 2 && std::abs(one.map_from_anchor.translation().x() - 60) < 25;
+           });
+  }));
 }
 
 TEST_F(LargeRoom, OutlivesAServerThatEndsOnTheWay) {
