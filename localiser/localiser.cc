@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "localiser/internal/ambiguity.h"
+#include "localiser/internal/contribution.h"
 #include "localiser/internal/localiser_impl.h"
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/request_checks.h"
@@ -158,6 +159,7 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
          fmt::format("{} of {} matches agree in submap {}, one of {} searched{}",
                      best.pose->inliers, best.answer.matches.size(),
                      best.submap->released().id.text(), near.size(), missing));
+  best.pose->experience = internal::FindContributor(best);
   answer.pose = std::move(best.pose);
 }
 

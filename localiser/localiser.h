@@ -84,6 +84,8 @@ struct LocalisedPose {
   int inliers = 0;                               ///< of a burst: different landmarks
   double rms_px = 0;
   int images = 1;  ///< of a burst, that show inliers
+  /// Whose images show most of the inliers' landmarks; absent in answers that came over a network.
+  std::optional<ExperienceId> experience = std::nullopt;
 };
 
 /// One answer: a value also when there is no pose.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "localiser/internal/burst/checks.h"
+#include "localiser/internal/contribution.h"
 #include "localiser/internal/localiser_impl.h"
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/request_checks.h"
@@ -89,6 +90,7 @@ bool Localiser::Impl::SearchTogether(const internal::AskedBurst& burst,
       "{} landmarks in {} of {} images agree in submap {}, one of {} searched{}",
       best.pose->inliers, best.pose->images, burst.images.size(), best.submap->released().id.text(),
       taken.submaps.size(), internal::DescribeMissing(taken));
+  best.pose->experience = internal::FindContributor(best);
   answer.pose = std::move(best.pose);
   return true;
 }

@@ -66,7 +66,7 @@ std::vector<LocalisedImage> LocaliseBatch(const Localiser& localiser,
 }
 
 std::string EncodePoseTable(std::span<const LocalisedImage> images) {
-  std::string table = "image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms\n";
+  std::string table = "image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms,experience\n";
   const auto out = std::back_inserter(table);
   for (const LocalisedImage& image : images) {
     const Localisation& answer = image.answer;
@@ -80,7 +80,9 @@ std::string EncodePoseTable(std::span<const LocalisedImage> images) {
     } else {
       table += ",,,,,,,0,";
     }
-    fmt::format_to(out, ",{},{:.1f}\n", answer.epoch, answer.times.total_ms);
+    const bool is_attributed = answer.pose && answer.pose->experience;
+    fmt::format_to(out, ",{},{:.1f},{}\n", answer.epoch, answer.times.total_ms,
+                   is_attributed ? CsvField(answer.pose->experience->text()) : "");
   }
   return table;
 }

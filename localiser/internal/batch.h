@@ -34,8 +34,8 @@ std::vector<LocalisedImage> LocaliseBatch(const Localiser& localiser,
                                           const BatchOptions& options,
                                           const std::function<void(std::size_t)>& progress);
 
-/// CSV with the header `image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms`; poses are
-/// map_from_camera and absent when not localised.
+/// CSV with the header `image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms,experience`;
+/// poses are map_from_camera and absent when not localised.
 std::string EncodePoseTable(std::span<const LocalisedImage> images);
 
 /// "localised 50 of 51 images (98 %): …", with medians and the reasons of refusal counted.

@@ -103,12 +103,13 @@ TEST(PoseTable, HasOneLinePerImageAndQuotesOddNames) {
                     .submap = SubmapId("ab12"),
                     .submap_from_camera = {},
                     .inliers = 40,
-                    .rms_px = 1};
+                    .rms_px = 1,
+                    .experience = ExperienceId("night")};
   EXPECT_EQ(EncodePoseTable(images),
-            "image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms\n"
-            "\"a, \"\"b\"\".jpg\",too few matches,,,,,,,,0,,0,0.0\n"
+            "image,status,tx,ty,tz,qx,qy,qz,qw,inliers,submap,epoch,ms,experience\n"
+            "\"a, \"\"b\"\".jpg\",too few matches,,,,,,,,0,,0,0.0,\n"
             "c.jpg,localised,1.000000,2.000000,3.000000,0.000000000,0.000000000,0.000000000,"
-            "1.000000000,40,ab12,3,12.3\n");
+            "1.000000000,40,ab12,3,12.3,night\n");
   EXPECT_THAT(Summarise(images), testing::HasSubstr("localised 1 of 2 images (50 %)"));
   EXPECT_THAT(Summarise(images), testing::HasSubstr("too few matches: 1"));
 }

@@ -29,6 +29,22 @@ TEST_F(LocaliserTest, AnswersInTheMapAndInTheSubmapWithMatchingCovariance) {
   EXPECT_GT(answer.times.total_ms, 0);
 }
 
+TEST_F(LocaliserTest, NamesTheExperienceThatShowsMostOfWhatWasFound) {
+  mapping::SubmapModel model = place_.Model();  // three images, each shows everything
+  model.images[0].experience = ExperienceId("day");
+  model.images[1].experience = ExperienceId("night");
+  model.images[2].experience = ExperienceId("day");
+  std::erase_if(model.observations, [](const mapping::LandmarkObservation& seen) {
+    const std::uint32_t sixth = seen.landmark % 6;  // day alone saw one, night two, both three
+    return seen.image == 1 ? sixth == 0 : sixth == 2 || sixth == 4;
+  });
+  disk_.Add(model, kMapFromSubmap);
+  const Localisation answer = Open()->Localise(Request(place_.Viewpoint(0)));
+  ASSERT_TRUE(answer.pose.has_value()) << answer.reason;
+  // What day saw twice counts once; by sightings it would have most.
+  EXPECT_EQ(answer.pose->experience, ExperienceId("night"));
+}
+
 TEST_F(LocaliserTest, TheSubmapThatSeesMostWins) {
   disk_.Add(RandomPlace(2).Model());
   const SubmapId right = disk_.Add(place_.Model(), kMapFromSubmap);
