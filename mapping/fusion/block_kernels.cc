@@ -60,7 +60,7 @@ WAYMARK_INLINE void Downwards(std::span<const RoughBlock> column,
 WAYMARK_INLINE void Upwards(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
                             const RoughVector* x, RoughVector& of_column) {
   Rough8 sums[kBlockColumns] = {};
-  for (std::size_t i = 0; i < column.size(); ++i) {
+  for (std::size_t i = column.size(); i-- > 0;) {  // backwards, as the columns come
     const Rough8* const columns = ColumnsOf(column[i]);
     const Rough8 below = *reinterpret_cast<const Rough8*>(x[rows[i]].at);
     for (int k = 0; k < kBlockColumns; ++k) sums[k] += columns[k] * below;

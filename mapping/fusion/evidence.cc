@@ -8,36 +8,27 @@ namespace {
 
 constexpr double kDisagreeingSpreads = 6;  // Cauchy at twice the spread gives such an image 1/10
 
-const Rigid3& PoseOf(const FusionSubmap& submap, std::uint32_t image) {
-  return submap.images[image].submap_from_camera.rigid();
-}
-
 }  // namespace
 
-void AddOverlapEvidence(std::span<const FusionSubmap> submaps,
-                        std::span<const std::optional<Sim3>> places,
-                        std::span<const Overlap> overlaps, std::span<const OverlapTerm> terms,
+void AddOverlapEvidence(std::span<const OverlapTerm> terms, std::span<const Place> places,
                         const FusionOptions& options, std::vector<FusedSubmap>& fused) {
   std::vector<double> squares(fused.size(), 0);
-  std::size_t next = 0;
-  for (const Overlap& overlap : overlaps) {
-    if (!places[overlap.first] || !places[overlap.second]) continue;
-    const double limit = kDisagreeingSpreads * terms[next++].spread;
-    const Sim3& map_from_first = *places[overlap.first];
-    const Sim3& map_from_second = *places[overlap.second];
-    for (const SharedImage& image : overlap.images) {
-      const Rigid3& first = PoseOf(submaps[overlap.first], image.in_first);
-      const Rigid3& second = PoseOf(submaps[overlap.second], image.in_second);
-      const double square_m2 =
-          (map_from_first * first.translation() - map_from_second * second.translation())
-              .squaredNorm();
+  for (const OverlapTerm& term : terms) {
+    const double limit = kDisagreeingSpreads * term.spread;
+    const Place& first = places[term.first];
+    const Place& second = places[term.second];
+    const Eigen::Matrix3d map_from_first = first.MapFromArm();
+    const Eigen::Matrix3d map_from_second = second.MapFromArm();
+    for (const CommonImage& image : term.all_images) {
+      const double square_m2 = (first.centroid_in_map + map_from_first * image.arm_in_first -
+                                second.centroid_in_map - map_from_second * image.arm_in_second)
+                                   .squaredNorm();
       const double turn_rad =
-          CompareOrientations(map_from_first.rotation(), map_from_second.rotation(),
-                              second.rotation() * first.rotation().conjugate())
+          CompareOrientations(first.rotation, second.rotation, image.second_from_first)
               .shift_rad.norm();
       const double sigmas = std::hypot(std::sqrt(square_m2) / options.overlap_sigma_m,
                                        turn_rad / options.orientation_sigma_rad);
-      for (const std::uint32_t submap : {overlap.first, overlap.second}) {
+      for (const std::uint32_t submap : {term.first, term.second}) {
         ++fused[submap].shared_images;
         if (sigmas > limit) ++fused[submap].disagreeing_images;
         if (sigmas <= limit) squares[submap] += square_m2;

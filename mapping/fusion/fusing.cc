@@ -49,10 +49,10 @@ Result<Fusing> BeginFusing(std::span<const FusionSubmap> submaps, const FusionOp
   Fusing fusing;
   fusing.submaps = submaps;
   fusing.is_held.assign(submaps.size(), false);
-  WAYMARK_TRY_ASSIGN(fusing.overlaps, FindOverlaps(submaps));
+  WAYMARK_TRY_ASSIGN(const std::vector<Overlap> overlaps, FindOverlaps(submaps));
   const bool has_gnss = fusing.fusion.is_geo_referenced = HasGnss(submaps);
-  const FirstGuess guess = GuessPlaces(submaps, fusing.overlaps, has_gnss, options);
-  fusing.terms = MakeTerms(submaps, fusing.overlaps, guess.map_from_submap, has_gnss, options);
+  const FirstGuess guess = GuessPlaces(submaps, overlaps, has_gnss, options);
+  fusing.terms = MakeTerms(submaps, overlaps, guess.map_from_submap, has_gnss, options);
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     const auto& place = guess.map_from_submap[i];
     fusing.is_placed.push_back(place.has_value());
@@ -87,17 +87,15 @@ Fusion FinishFusing(const FusionOptions& options, Fusing fusing) {
   const std::size_t count = fusing.submaps.size();
   std::vector<FusedSubmap>& fused = fusing.fusion.submaps;
   fused.resize(count);
-  std::vector<std::optional<Sim3>> map_from_submap(count);
   for (std::size_t i = 0; i < count; ++i) {
     if (!fusing.is_placed[i]) continue;
     fused[i].is_held = fusing.is_held[i];
-    map_from_submap[i] = fused[i].is_held
-                             ? fusing.submaps[i].previous->sim()
-                             : fusing.places[i].ToSim3(fusing.terms.submaps[i].centroid_in_submap);
-    AddPlace(fusing.submaps[i], *map_from_submap[i], fused[i]);
+    const Sim3 map_from_submap =
+        fused[i].is_held ? fusing.submaps[i].previous->sim()
+                         : fusing.places[i].ToSim3(fusing.terms.submaps[i].centroid_in_submap);
+    AddPlace(fusing.submaps[i], map_from_submap, fused[i]);
   }
-  AddOverlapEvidence(fusing.submaps, map_from_submap, fusing.overlaps, fusing.terms.overlaps,
-                     options, fused);
+  AddOverlapEvidence(fusing.terms.overlaps, fusing.places, options, fused);
   return std::move(fusing.fusion);
 }
 

@@ -51,19 +51,30 @@ SubmapTerm MakeSubmapTerm(const FusionSubmap& submap, const std::optional<Sim3>&
 OverlapTerm MakeOverlapTerm(const Overlap& overlap, std::span<const FusionSubmap> submaps,
                             std::span<const SubmapTerm> terms, const FusionOptions& options,
                             LargeVector<CommonImage>& images) {
-  OverlapTerm term{.first = overlap.first, .second = overlap.second, .images = {}};
+  OverlapTerm term{
+      .first = overlap.first, .second = overlap.second, .images = {}, .all_images = {}};
   const auto chosen =
       SpreadIndices(overlap.images.size(), static_cast<std::size_t>(options.max_shared_images));
   const std::size_t begin = images.size();
-  for (const std::uint32_t k : chosen) {
+  const auto add = [&](std::uint32_t k) {
     const SharedImage& image = overlap.images[k];
     const Rigid3& first = submaps[term.first].images[image.in_first].submap_from_camera.rigid();
     const Rigid3& second = submaps[term.second].images[image.in_second].submap_from_camera.rigid();
     images.push_back({first.translation() - terms[term.first].centroid_in_submap,
                       second.translation() - terms[term.second].centroid_in_submap,
                       second.rotation() * first.rotation().conjugate()});
+  };
+  for (const std::uint32_t k : chosen) add(k);
+  auto next = chosen.begin();
+  for (std::uint32_t k = 0; k < overlap.images.size(); ++k) {
+    if (next != chosen.end() && *next == k) {
+      ++next;
+    } else {
+      add(k);
+    }
   }
-  term.images = std::span(images).subspan(begin);
+  term.all_images = std::span(images).subspan(begin);
+  term.images = term.all_images.first(chosen.size());
   return term;
 }
 
@@ -77,9 +88,8 @@ FusionTerms MakeTerms(std::span<const FusionSubmap> submaps, std::span<const Ove
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     terms.submaps.push_back(MakeSubmapTerm(submaps[i], places[i], uses_gnss, options));
   }
-  const auto most = static_cast<std::size_t>(options.max_shared_images);
   std::size_t images = 0;
-  for (const Overlap& overlap : overlaps) images += std::min(overlap.images.size(), most);
+  for (const Overlap& overlap : overlaps) images += overlap.images.size();
   terms.images.reserve(images);  // where they are, overlaps point
   terms.overlaps.reserve(overlaps.size());
   terms.pairs.reserve(overlaps.size());

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "mapping/base/median.h"
-#include "mapping/fusion/internal/radix_sort.h"
 
 namespace waymark::mapping {
 namespace {
@@ -114,60 +113,6 @@ std::vector<std::uint32_t> SpreadIndices(std::size_t size, std::size_t count) {
     chosen.push_back(static_cast<std::uint32_t>(i * size / kept));
   }
   return chosen;
-}
-
-Result<std::vector<Overlap>> FindOverlaps(std::span<const FusionSubmap> submaps) {
-  struct Sighting {
-    std::uint64_t image;
-    std::uint32_t submap;
-    std::uint32_t index;
-  };
-  std::size_t count = 0;
-  for (const FusionSubmap& submap : submaps) count += submap.images.size();
-  LargeVector<Sighting> sightings;
-  sightings.reserve(count);
-  for (std::uint32_t s = 0; s < submaps.size(); ++s) {
-    for (std::uint32_t i = 0; i < submaps[s].images.size(); ++i) {
-      sightings.push_back({submaps[s].images[i].image, s, i});
-    }
-  }
-  // They come by submap and index, and stay so where they are of one image.
-  RadixSort(sightings, [](const Sighting& sighting) { return sighting.image; });
-  struct Pair {
-    std::uint32_t first, second;
-    std::uint32_t in_second, in_first;
-    auto operator<=>(const Pair&) const = default;
-  };
-  LargeVector<Pair> pairs;
-  pairs.reserve(count / 2);  // most shared images are in two submaps
-  for (std::size_t begin = 0, end = 0; begin < sightings.size(); begin = end) {
-    while (end < sightings.size() && sightings[end].image == sightings[begin].image) {
-      for (std::size_t k = begin; k < end; ++k) {
-        pairs.push_back(
-            {sightings[k].submap, sightings[end].submap, sightings[end].index, sightings[k].index});
-        if (pairs.back().first == pairs.back().second) {
-          return MakeError(ErrorCode::kInvalidArgument, "fusion: submap {} holds image {} twice",
-                           pairs.back().first, sightings[k].image);
-        }
-      }
-      ++end;
-    }
-  }
-  RadixSort(pairs, [](const Pair& pair) { return std::uint64_t{pair.second}; });
-  RadixSort(pairs, [](const Pair& pair) { return std::uint64_t{pair.first}; });
-  std::vector<Overlap> overlaps;
-  for (auto begin = pairs.begin(), end = begin; begin != pairs.end(); begin = end) {
-    end = std::find_if(begin, pairs.end(), [&](const Pair& pair) {
-      return pair.first != begin->first || pair.second != begin->second;
-    });
-    std::sort(begin, end);
-    overlaps.push_back({begin->first, begin->second, {}});
-    overlaps.back().images.reserve(static_cast<std::size_t>(end - begin));
-    for (auto pair = begin; pair != end; ++pair) {
-      overlaps.back().images.push_back({pair->in_first, pair->in_second});
-    }
-  }
-  return overlaps;
 }
 
 std::optional<Sim3> EstimateFirstFromSecond(const FusionSubmap& first, const FusionSubmap& second,

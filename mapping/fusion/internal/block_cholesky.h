@@ -41,25 +41,44 @@ class BlockCholesky {
   std::vector<BlockVector> Solve(std::span<const BlockVector> right) const;
 
  private:
-  /// Where an edge's block begins its life as a block of L.
+  /// Where the block of an edge begins its life as a block of L.
   struct Slot {
-    std::uint32_t block;
+    std::uint32_t edge;
+    std::uint32_t row;
     bool is_transposed;
   };
 
-  void FindStructure(std::span<const BlockEdge> edges);
+  void SortEdges(std::span<const BlockEdge> edges);
+  void FindStructure();
+  void PlaceColumns();
   void FindTargets();
+  void StartColumn(std::uint32_t column, const BlockMatrix& matrix, double relative,
+                   double absolute);
   bool FactorColumn(std::uint32_t column);
 
-  std::vector<std::uint32_t> unknown_at_;        // by position in the order of elimination
-  std::vector<std::uint32_t> position_of_;       // by unknown
-  std::vector<std::uint32_t> begin_;             // of each column's blocks below the diagonal
-  std::vector<std::uint32_t> rows_;              // of those blocks, ascending in a column
-  LargeVector<std::uint32_t> targets_;           // of each product of two blocks of a column
-  std::vector<Slot> slots_;                      // by edge
-  LargeVector<internal::PaddedBlock> blocks_;    // of L, below the diagonal
-  LargeVector<internal::PaddedBlock> diagonal_;  // still to be factorised
-  LargeVector<internal::RoughBlock> rough_blocks_;
+  std::span<const Slot> SlotsOf(std::uint32_t column) const {
+    return std::span(slots_).subspan(slot_begin_[column],
+                                     slot_begin_[column + 1] - slot_begin_[column]);
+  }
+  std::uint32_t CountBelow(std::uint32_t column) const {
+    return begin_[column + 1] - begin_[column];
+  }
+  std::span<const std::uint32_t> RowsOf(std::uint32_t column) const {
+    return std::span(rows_).subspan(begin_[column], CountBelow(column));
+  }
+
+  std::vector<std::uint32_t> unknown_at_;   // by position in the order of elimination
+  std::vector<std::uint32_t> position_of_;  // by unknown
+  std::vector<std::uint32_t> begin_;        // of each column's blocks below the diagonal
+  std::vector<std::uint32_t> rows_;         // of those blocks, ascending in a column
+  std::vector<std::uint32_t> slot_begin_;   // of each column's slots
+  std::vector<Slot> slots_;
+  // A column is worked on from the first that changes it until it is finished and has changed all
+  // that it does. It begins with its diagonal.
+  std::vector<std::uint32_t> working_begin_;  // of each column, in working_
+  LargeVector<std::uint32_t> targets_;        // in working_, of each product of a column's blocks
+  LargeVector<internal::PaddedBlock> working_;
+  LargeVector<internal::RoughBlock> rough_blocks_;            // of L, below the diagonal
   std::vector<internal::RoughBlock> rough_inverse_diagonal_;  // of L
 };
 

@@ -45,7 +45,8 @@ struct BlockKernels {
                              std::span<const std::uint32_t> rows, const RoughVector& of_column,
                              RoughVector* x);
 
-  /// of_column -= the sum over i of column[i]^T * x[rows[i]].
+  /// of_column -= the sum over i of column[i]^T * x[rows[i]]. Reads the column backwards: the next
+  /// one lies before it, and memory that is read in one direction is fetched ahead.
   void (*subtract_upwards)(std::span<const RoughBlock> column, std::span<const std::uint32_t> rows,
                            const RoughVector* x, RoughVector& of_column);
 };

@@ -6,10 +6,7 @@
 namespace waymark::mapping {
 
 /// How well the images shared by placed submaps agree, over all of them.
-/// Shapes: `terms` are those of the overlaps between placed submaps, in the same order.
-void AddOverlapEvidence(std::span<const FusionSubmap> submaps,
-                        std::span<const std::optional<Sim3>> places,
-                        std::span<const Overlap> overlaps, std::span<const OverlapTerm> terms,
+void AddOverlapEvidence(std::span<const OverlapTerm> terms, std::span<const Place> places,
                         const FusionOptions& options, std::vector<FusedSubmap>& fused);
 
 /// Its place, how well that agrees with GNSS, and how far it moved since the parent release.

@@ -8,7 +8,6 @@ namespace waymark::mapping {
 /// A fusion on its way: the input made ready, and where the submaps stand by now.
 struct Fusing {
   std::span<const FusionSubmap> submaps;
-  std::vector<Overlap> overlaps;
   FusionTerms terms;
   std::vector<bool> is_movable;  ///< has a place and does not fix the gauge
   std::vector<bool> is_placed;

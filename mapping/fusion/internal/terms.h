@@ -47,9 +47,10 @@ struct CommonImage {
 struct OverlapTerm {
   std::uint32_t first;
   std::uint32_t second;
-  std::span<const CommonImage> images;
-  double spread = 1;            ///< expected size of a residual, in sigmas
-  Sim3 first_from_second = {};  ///< as its images say; once the spread is estimated
+  std::span<const CommonImage> images;      ///< that count, evenly chosen
+  std::span<const CommonImage> all_images;  ///< these, then the others
+  double spread = 1;                        ///< expected size of a residual, in sigmas
+  Sim3 first_from_second = {};              ///< as its images say; once the spread is estimated
 };
 
 /// What a submap adds on its own account: GNSS, gravity, scale. Source: eq. (2), second sum.

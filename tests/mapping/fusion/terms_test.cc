@@ -40,7 +40,7 @@ Block DifferentiateTwice(const std::function<BlockVector(const Place&)>& gradien
 struct Pair {
   Place first, second;
   std::vector<CommonImage> images;
-  OverlapTerm term{.first = 0, .second = 1, .images = {}};
+  OverlapTerm term{.first = 0, .second = 1, .images = {}, .all_images = {}};
 };
 
 Pair MakePair(double noise) {
