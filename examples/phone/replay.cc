@@ -5,10 +5,14 @@
 #include <thread>
 
 #include "mapping/base/file.h"
+#include "mapping/base/log.h"
+#include "mapping/base/quantile.h"
 #include "mapping/features/features.h"
 
 namespace waymark::phone {
 namespace {
+
+constexpr double kBetweenWords_s = 5;
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
@@ -27,6 +31,17 @@ Result<session::DeviceFrame> LoadFrame(const Walk& walk, const WalkFrame& frame)
                               .time = frame.time,
                               .gnss = frame.gnss,
                               .gnss_sigma_m = frame.gnss_sigma_m};
+}
+
+std::optional<session::ExpectedDistance> MedianOf(
+    const std::vector<session::Agreement>& agreements) {
+  if (agreements.empty()) return std::nullopt;
+  std::vector<double> p50_m, p95_m;
+  for (const auto& agreement : agreements) {
+    p50_m.push_back(agreement.apart.p50_m);
+    p95_m.push_back(agreement.apart.p95_m);
+  }
+  return session::ExpectedDistance{Quantile(p50_m, 0.5), Quantile(p95_m, 0.5)};
 }
 
 /// The walk's clock laid over this machine's.
@@ -78,13 +93,25 @@ class Player {
 
   void Record(const std::string& image, double seconds) {
     TrackPoint point{.image = image, .seconds = seconds, .pose = device_.Pose()};
-    for (const auto& other : device_.Others()) {
+    const auto others = device_.Others();
+    for (const auto& other : others) {
       if (!other.is_present || !other.map_from_device) continue;
       ++point.others_present;
       point.oldest_other_s = std::max(point.oldest_other_s, other.age.count());
     }
+    const auto anchors = device_.Anchors();
+    for (const auto& anchor : anchors) NoteSighting(anchor.id, seconds);
+    point.apart = MedianOf(session::ExpectAgreements(point.pose, others, anchors));
+    Tell(point);
     replay_.track.push_back(std::move(point));
-    for (const auto& anchor : device_.Anchors()) NoteSighting(anchor.id, seconds);
+  }
+
+  /// What an app would show in a corner, now and then.
+  void Tell(const TrackPoint& point) {
+    if (!point.apart || point.seconds < told_s_ + kBetweenWords_s) return;
+    told_s_ = point.seconds;
+    LogInfo("{:.0f} s: {} others; anchors are {:.2f} m from where others show them, 95 %: {:.2f} m",
+            point.seconds, point.others_present, point.apart->p50_m, point.apart->p95_m);
   }
 
   void NoteSighting(const AnchorId& id, double seconds) {
@@ -115,6 +142,7 @@ class Player {
   session::DeviceSession& device_;
   const ReplayOptions& options_;
   Pace pace_;
+  double told_s_ = -kBetweenWords_s;
   Replay replay_;
 };
 

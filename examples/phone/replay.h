@@ -11,7 +11,7 @@
 
 #include "examples/phone/walk.h"
 #include "mapping/base/result.h"
-#include "session/device/device_session.h"
+#include "session/device/agreement.h"
 
 namespace waymark::phone {
 
@@ -22,6 +22,9 @@ struct TrackPoint {
   session::DevicePose pose;
   int others_present = 0;
   double oldest_other_s = 0;  ///< age of the stalest pose of a present phone
+  /// How far from it others show the anchors that they and it look at, as far as poses tell:
+  /// medians over these.
+  std::optional<session::ExpectedDistance> apart = std::nullopt;
 };
 
 /// An anchor when this phone first knew it.

@@ -47,6 +47,9 @@ Json EncodeTrack(const Replay& replay, const Walk& walk) {
                      {"map_from_camera", pose},
                      {"others", point.others_present},
                      {"oldest_other_s", point.oldest_other_s}});
+    if (!point.apart) continue;
+    track.back()["apart_p50_m"] = point.apart->p50_m;
+    track.back()["apart_p95_m"] = point.apart->p95_m;
   }
   return track;
 }

@@ -27,13 +27,20 @@ void LiveSession::On(const Welcome& welcome) {
       return;
     case JoinDesk::Outcome::kRefused:
       refusal_ = welcome;
+      if (welcome.verdict == JoinVerdict::kAccepted) {
+        refusal_->verdict = JoinVerdict::kInvalid;
+        refusal_->reason = fmt::format("expected a server of protocol {} or later, found {}",
+                                       kOldestProtocol, welcome.protocol);
+      }
       standing_.is_in = false;  // it asks again
-      standing_.reason = welcome.reason;
+      standing_.reason = refusal_->reason;
+      FinishEdits(NotIn());
       return;
     case JoinDesk::Outcome::kRemoved:
       standing_.is_in = false;
       standing_.reason = welcome.reason;
       LogWarning("room {}: {}", options_.room.text(), welcome.reason);
+      FinishEdits(NotIn());
       return;
     case JoinDesk::Outcome::kJoined:
       break;
@@ -53,7 +60,7 @@ void LiveSession::On(const Welcome& welcome) {
     last_swap_ = 0;
     images_.Abandon();  // who was asked is no more
   }
-  view_.StartRun(welcome.run, welcome.map.epoch, welcome.protocol >= kAudienceProtocol);
+  view_.StartRun(welcome.run, welcome.map.epoch);
   areas_.BeginAnew();
 }
 
@@ -88,7 +95,9 @@ void LiveSession::On(const MapState& state) {
   placements_ = state.placements;
   if (state.epoch == welcome->map.epoch) return;  // welcomed after it
   join_.SetEpoch(state.epoch);
-  (void)tracker_.CarryTo(state.placements);
+  if (const auto motion = tracker_.CarryTo(state.placements)) {
+    edits_.CarryBy(*motion, state.epoch);
+  }
   view_.CarryTo(state.epoch, state.placements);
   ++statistics_.map_changes;
 }
@@ -98,6 +107,7 @@ void LiveSession::On(const CommandReply& reply) {
   const bool is_news =
       reply.outcome == CommandOutcome::kApplied || reply.outcome == CommandOutcome::kConflict;
   if (is_news && reply.current) view_.OnOwnChange(*reply.current);
+  FinishEdit(reply.request);
 }
 
 void LiveSession::On(const ClockPong& pong) {

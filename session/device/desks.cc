@@ -65,7 +65,7 @@ JoinDesk::Outcome JoinDesk::On(const Welcome& welcome, Instant now) {
     return Outcome::kRemoved;
   }
   if (is_over_) return Outcome::kIgnored;
-  if (welcome.verdict != JoinVerdict::kAccepted) {
+  if (welcome.verdict != JoinVerdict::kAccepted || welcome.protocol < kOldestProtocol) {
     return is_connected_ ? Outcome::kIgnored : Outcome::kRefused;
   }
   const bool is_news =

@@ -17,6 +17,7 @@
 #include "mapping/geometry/frames.h"
 #include "mapping/geometry/geodesy.h"
 #include "session/device/device_options.h"
+#include "session/state/anchors.h"
 #include "session/state/role.h"
 
 namespace waymark::session {
@@ -50,13 +51,26 @@ struct DevicePose {
   FixSource fix_source = FixSource::kServer;  ///< of the newest fix
 };
 
+/// How sure a phone is of its pose: one standard deviation of the position on each axis, and of the
+/// rotation about each.
+struct PoseCertainty {
+  double sigma_m = 0;
+  double rotation_sigma_rad = 0;
+};
+
 /// Another phone of the room: where it is now, as far as its last reports tell.
 struct OtherDevice {
   DeviceId id;
   std::string name;
   bool is_present = true;
   std::optional<Transform<Map, Device>> map_from_device;
-  double sigma_m = 0;  ///< of the position; grows with what may have happened since the last report
+  /// Of the position on each axis, and of the rotation about each; they grow with what may have
+  /// happened since the last report.
+  double sigma_m = 0;
+  double rotation_sigma_rad = 0;
+  /// As it said last: how well it knows where it is itself.
+  localiser::AlignmentState tracking = localiser::AlignmentState::kNever;
+  PoseCertainty certainty = {};
   std::uint64_t epoch = 0;
   std::chrono::duration<double> age{0};  ///< of the last report when asked
   Role role = Role::kMember;
@@ -82,6 +96,17 @@ struct SharedAnchor {
   std::string payload;
   bool is_supported = true;  ///< false: none of the submaps it was seen in is left in the map
   content::AnchorVisibility audience = content::AnchorVisibility::kRoom;
+  bool is_pending = false;  ///< a change of this phone's is shown that is not durable yet
+};
+
+/// What became of a change that was begun and not waited for.
+struct EditOutcome {
+  AnchorId anchor;
+  AnchorOperation edit{};
+  /// Absent: it is durable. Conflict: somebody else changed the anchor first; FindAnchor has what
+  /// stands. Otherwise as of PlaceAnchor, MoveAnchor and DeleteAnchor. What was shown is taken
+  /// back.
+  std::optional<Error> error = std::nullopt;
 };
 
 /// Where the time of a keyframe went that was localised, in milliseconds.
@@ -103,7 +128,7 @@ struct KeyframeTiming {
 /// Counters for people and tests.
 struct DeviceStatistics {
   int keyframes_sent = 0;
-  int superseded = 0;  ///< of these, given up for a newer one before they had left
+  int superseded = 0;   ///< of these, given up for a newer one before they had left
   int fixes = 0;        ///< of the server
   int burst_fixes = 0;  ///< of these, of keyframes that were found together with earlier ones
   int tile_fixes = 0;   ///< the device's own, against its tile
@@ -159,7 +184,7 @@ class DeviceSession {
   /// Places content relative to the phone's present pose. Waits for the durable acknowledgement. A
   /// private anchor is told to the phones of its owner in the room and to nobody else.
   /// Errors: Unavailable (never localised, no answer, or sent away), Conflict, InvalidArgument
-  /// (which viewers are told too), Unsupported (a server that knows no audiences).
+  /// (which viewers are told too).
   virtual Result<SharedAnchor> PlaceAnchor(const Transform<Device, Anchor>& device_from_anchor,
                                            const std::string& kind, const std::string& payload,
                                            content::AnchorVisibility audience) = 0;
@@ -172,6 +197,18 @@ class DeviceSession {
   virtual Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
                                           const Transform<Map, Anchor>& map_from_anchor) = 0;
   virtual Result<void> DeleteAnchor(const SharedAnchor& anchor) = 0;
+  /// The same without waiting: shown at once, marked as pending, until the server has answered.
+  /// More changes of an anchor may be begun meanwhile: each is made on top of the one before, fails
+  /// with it, and of moves only the latest is sent. Errors here: those known at once.
+  virtual Result<SharedAnchor> BeginPlace(const Transform<Device, Anchor>& device_from_anchor,
+                                          const std::string& kind, const std::string& payload,
+                                          content::AnchorVisibility audience) = 0;
+  virtual Result<void> BeginMove(const SharedAnchor& anchor,
+                                 const Transform<Map, Anchor>& map_from_anchor) = 0;
+  virtual Result<void> BeginDelete(const SharedAnchor& anchor) = 0;
+  /// Of changes begun, those that ended since it was last asked, in their order.
+  virtual std::vector<EditOutcome> TakeOutcomes() = 0;
+
   /// All anchors that this phone may see, of the room or of the area around it; complete once
   /// `HasSnapshot`.
   virtual std::vector<SharedAnchor> Anchors() const = 0;

@@ -111,6 +111,7 @@ void LiveSession::SendWhatIsDue() {
                                 .sequence_number = next_ping_number_++,
                                 .sent = SteadyNow()});
   }
+  SendEdits(now);
   if (join_.IsConnected()) {
     for (Command& due : commands_.TakeDue(now)) {
       std::visit(
@@ -134,6 +135,7 @@ void LiveSession::SendWhatIsDue() {
 
 Instant LiveSession::NextDeadline() const {
   Instant next = std::min(join_.NextDeadline(), images_.NextDeadline());
+  next = std::min(next, edits_.NextDeadline());
   if (join_.IsConnected()) next = std::min(next, commands_.NextDeadline());
   return std::min(next, std::chrono::steady_clock::now() + kRefreshInterval);
 }

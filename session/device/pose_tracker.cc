@@ -79,15 +79,15 @@ void PoseTracker::Reset() {
   was_fixed_ = false;
 }
 
-bool PoseTracker::CarryTo(const Placements& placements) {
+std::optional<Transform<Map, Map>> PoseTracker::CarryTo(const Placements& placements) {
   const std::optional<Transform<Map, Map>> motion = alignment_.CarryTo(placements);
   if (!motion) {
     Reset();
-    return false;
+    return std::nullopt;
   }
   if (shown_map_from_vo_) shown_map_from_vo_ = *motion * *shown_map_from_vo_;
   Refresh(time_);
-  return true;
+  return motion;
 }
 
 void PoseTracker::ShiftTime(std::chrono::nanoseconds by) {

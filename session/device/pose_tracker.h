@@ -32,8 +32,9 @@ class PoseTracker {
   /// Forgets all fixes: the odometry or the map has another frame now.
   void Reset();
   /// Another release is live: fixes and the shown pose go where their submaps do, so that what is
-  /// shown stays where it is for those who look. False, and reset: no fix is in a submap told.
-  bool CarryTo(const Placements& placements);
+  /// shown stays where it is for those who look. How it moved; nothing, and reset, where no fix is
+  /// in a submap told.
+  std::optional<Transform<Map, Map>> CarryTo(const Placements& placements);
   /// The clock that stamps odometry and frames was set forward by so much.
   void ShiftTime(std::chrono::nanoseconds by);
   /// Lets the alignment age; about a millisecond, so not for every frame.

@@ -17,12 +17,14 @@ constexpr double kLateShare = 0.95;
 constexpr double kGrowsBy = 0.25;  // seconds of delay per second
 constexpr double kShrinksBy = 0.05;
 constexpr double kMotionLasts_s = 2;  // extrapolated motion fades so fast
-constexpr double kTurnLasts_s = 0.12;
+constexpr double kTurnLasts_s = 0.2;
 constexpr Duration kTurnWindow{0.1};
 constexpr Duration kImplausible{1};
 constexpr double kVelocitySigma_mps = 0.15;
 constexpr double kAcceleration_mps2 = 2;
 constexpr double kWalking_mps = 1.5;
+constexpr double kTurning_radps = 0.7;  // one sigma, unforeseen: heads turn fast
+constexpr double kMostTurned_rad = 0.7;
 constexpr double kJump_m = 3;  // more is no motion: the pose was wrong before
 
 /// How far something gets in a time that it slows down over.
@@ -44,6 +46,10 @@ double SigmaAfter(double sigma_m, double elapsed_s) {
       kVelocitySigma_mps * elapsed_s +
       std::min(kAcceleration_mps2 / 2 * elapsed_s * elapsed_s, kWalking_mps * elapsed_s);
   return std::hypot(sigma_m, unseen_m);
+}
+
+double RotationSigmaAfter(double sigma_rad, double elapsed_s) {
+  return std::hypot(sigma_rad, std::min(kTurning_radps * elapsed_s, kMostTurned_rad));
 }
 
 }  // namespace
@@ -89,11 +95,13 @@ std::optional<RemoteTrack::Shown> RemoteTrack::At(ServerTime now) const {
                                 : heard_.back().time;
   Shown shown = Predict(wanted);
   shown.sigma_m = std::hypot(shown.sigma_m, heard_.back().velocity_in_map.norm() * delay_.count());
+  shown.rotation_sigma_rad = RotationSigmaAfter(shown.rotation_sigma_rad, delay_.count());
   if (arrived_ && now > *arrived_ - kImplausible) {
     const double since_s = std::max(0.0, Seconds(now - *arrived_));
-    const double left = std::exp(-since_s / options_.settling.count());
-    shown.map_from_device =
-        Transform<Map, Device>(Perturb(shown.map_from_device.rigid(), left * offset_));
+    Eigen::Matrix<double, 6, 1> left = offset_;
+    left.head<3>() *= std::exp(-since_s / options_.settling.count());
+    left.tail<3>() *= std::exp(-since_s / options_.turn_settling.count());
+    shown.map_from_device = Transform<Map, Device>(Perturb(shown.map_from_device.rigid(), left));
   }
   return shown;
 }
@@ -103,14 +111,19 @@ RemoteTrack::Shown RemoteTrack::Predict(ServerTime instant) const {
   const auto after =
       std::upper_bound(heard_.begin(), heard_.end(), instant,
                        [](ServerTime wanted, const LivePose& pose) { return wanted < pose.time; });
-  if (after == heard_.begin()) return {heard_.front().map_from_device, heard_.front().sigma_m};
+  if (after == heard_.begin()) {
+    return {heard_.front().map_from_device, heard_.front().sigma_m,
+            heard_.front().rotation_sigma_rad};
+  }
   const LivePose& a = *std::prev(after);
   const LivePose& b = *after;
   const double span_s = Seconds(b.time - a.time);
   const double fraction = Seconds(instant - a.time) / span_s;
   const Rigid3 turned = Interpolate(a.map_from_device.rigid(), b.map_from_device.rigid(), fraction);
+  const double unseen_s = span_s * std::min(fraction, 1 - fraction);
   return {{turned.rotation(), Hermite(a, b, span_s, fraction)},
-          SigmaAfter(std::max(a.sigma_m, b.sigma_m), span_s * std::min(fraction, 1 - fraction))};
+          SigmaAfter(std::max(a.sigma_m, b.sigma_m), unseen_s),
+          RotationSigmaAfter(std::max(a.rotation_sigma_rad, b.rotation_sigma_rad), unseen_s)};
 }
 
 RemoteTrack::Shown RemoteTrack::Extrapolate(ServerTime instant) const {
@@ -124,11 +137,15 @@ RemoteTrack::Shown RemoteTrack::Extrapolate(ServerTime instant) const {
   });
   if (earlier != heard_.rend()) {
     const double span_s = Seconds(newest.time - earlier->time);
-    const Eigen::Vector3d turned =
-        VectorFromRotation(rotation * earlier->map_from_device.rotation().conjugate());
-    rotation = RotationFromVector(turned / span_s * Coasted_s(elapsed_s, kTurnLasts_s)) * rotation;
+    // About the vertical alone: other turns sway back with the steps before they are heard of.
+    const double turned_rad =
+        VectorFromRotation(rotation * earlier->map_from_device.rotation().conjugate()).z();
+    const double ahead_rad = turned_rad / span_s * Coasted_s(elapsed_s, kTurnLasts_s);
+    rotation = Eigen::AngleAxisd(ahead_rad, Eigen::Vector3d::UnitZ()) * rotation;
   }
-  return {{rotation, position}, SigmaAfter(newest.sigma_m, elapsed_s)};
+  return {{rotation, position},
+          SigmaAfter(newest.sigma_m, elapsed_s),
+          RotationSigmaAfter(newest.rotation_sigma_rad, elapsed_s)};
 }
 
 }  // namespace waymark::session

@@ -14,8 +14,10 @@ struct PlayoutOptions {
   /// not for long: who is shown as he was is shown beside himself (session/README.md has figures).
   std::chrono::duration<double> horizon{0.8};
   std::chrono::duration<double> max_delay{0.1};
-  /// How fast a pose goes over to what a newer report says, so that nothing jumps.
+  /// How fast a position goes over to what a newer report says, so that nothing jumps; a turn, of
+  /// which delay is the worse part, goes over faster.
   std::chrono::duration<double> settling{0.08};
+  std::chrono::duration<double> turn_settling{0.03};
 };
 
 /// Where another phone is, now: its reports come late, unevenly and sometimes not at all.
@@ -24,8 +26,8 @@ struct PlayoutOptions {
 ///   reports keep below, less the horizon, and not for long. It follows changes of the network
 ///   slowly, so that motion shown does not hurry.
 /// - Between two reports the pose is interpolated: a cubic through positions and velocities, and
-///   rotation along the great circle. Beyond the last it goes on, ever more slowly, and its sigma
-///   grows.
+///   rotation along the great circle. Beyond the last it goes on, ever more slowly, turning about
+///   the vertical alone, and its sigmas grow.
 ///
 /// Pure; thread-compatible. Times are the session's.
 class RemoteTrack {
@@ -33,6 +35,7 @@ class RemoteTrack {
   struct Shown {
     Transform<Map, Device> map_from_device;
     double sigma_m = 0;  ///< of the position: as reported, and what may have happened since
+    double rotation_sigma_rad = 0;  ///< likewise, about each axis
   };
 
   explicit RemoteTrack(const PlayoutOptions& options = {}) : options_(options) {}

@@ -21,8 +21,7 @@ SharedAnchor ToShared(const RoomAnchor& anchor) {
           .audience = record.visibility};
 }
 
-void RoomView::StartRun(RunId run, std::uint64_t epoch, bool tells_own) {
-  tells_own_ = tells_own;
+void RoomView::StartRun(RunId run, std::uint64_t epoch) {
   for (AnchorShelf* const shelf : {&room_, &own_}) shelf->StartRun(run, epoch);
   if (run == run_) return;
   run_ = run;
@@ -83,8 +82,12 @@ std::vector<OtherDevice> RoomView::Others(ServerTime now) const {
     if (!at) continue;
     shown.map_from_device = at->map_from_device;
     shown.sigma_m = at->sigma_m;
-    shown.epoch = other.track.latest()->epoch;
-    shown.age = now - other.track.latest()->time;
+    shown.rotation_sigma_rad = at->rotation_sigma_rad;
+    const LivePose& said = *other.track.latest();
+    shown.tracking = said.tracking;
+    shown.certainty = {said.sigma_m, said.rotation_sigma_rad};
+    shown.epoch = said.epoch;
+    shown.age = now - said.time;
   }
   return others;
 }

@@ -21,8 +21,7 @@ class RoomView {
       : self_(self), scope_(scope) {}
 
   /// The server answered, in this run and with this release live. A new run begins a new snapshot.
-  /// `tells_own`: it knows of private anchors, and the snapshot waits for those too.
-  void StartRun(RunId run, std::uint64_t epoch, bool tells_own = false);
+  void StartRun(RunId run, std::uint64_t epoch);
   /// Another release is live. Anchors that came already in its frame are shown so from now on, the
   /// others are carried by their submaps, or wait to come.
   void CarryTo(std::uint64_t epoch, const Placements& placements);
@@ -45,7 +44,7 @@ class RoomView {
   std::vector<OtherDevice> Others(ServerTime now) const;
   std::vector<SharedAnchor> Anchors() const;
   std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const;
-  bool HasSnapshot() const { return room_.IsComplete() && (!tells_own_ || own_.IsComplete()); }
+  bool HasSnapshot() const { return room_.IsComplete() && own_.IsComplete(); }
 
  private:
   struct Other {
@@ -65,7 +64,6 @@ class RoomView {
   std::map<DeviceNumber, DeviceId> numbers_;  // of the present run
   std::uint32_t delivery_ = 1;                // counts resynchronisations
   AnchorShelf room_, own_;
-  bool tells_own_ = false;
 };
 
 SharedAnchor ToShared(const RoomAnchor& anchor);

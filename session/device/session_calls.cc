@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "session/device/agreement.h"
 #include "session/device/internal/live_session.h"
 
 namespace waymark::session {
@@ -69,12 +70,15 @@ void LiveSession::PushOdometry(const Transform<Vo, Device>& vo_from_device, Devi
     const DevicePose pose = CurrentPose();
     const std::optional<ServerTime> session_time = session_clock_.ToSession(ToSteady(time));
     if (!pose.map_from_device || !session_time) return;
+    const PoseCertainty certainty = CertaintyOf(pose.covariance);
     report =
         PoseReport{.ticket = join_.welcome()->ticket,
                    .pose = {.epoch = pose.epoch,
                             .time = *session_time,
                             .map_from_device = *pose.map_from_device,
-                            .sigma_m = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace() / 3),
+                            .sigma_m = certainty.sigma_m,
+                            .rotation_sigma_rad = certainty.rotation_sigma_rad,
+                            .tracking = pose.state,
                             .velocity_in_map = tracker_.VelocityInMap(),
                             .gaze_in_map = pose.map_from_device->rotation() * gaze_in_device_}};
     last_report_ = time;

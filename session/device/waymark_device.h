@@ -27,7 +27,7 @@ extern "C" {
  *           with the camera, as device_from_camera says. Radians except where a name says degrees.
  * Time.     Nanoseconds of the one clock that the app stamps odometry and frames with. */
 
-#define WAYMARK_ABI_VERSION 3
+#define WAYMARK_ABI_VERSION 4
 #define WAYMARK_ID_BYTES 40    /* of an id in text, with its final NUL */
 #define WAYMARK_NAME_BYTES 72  /* likewise of a device's name, */
 #define WAYMARK_TEXT_BYTES 256 /* of an anchor's kind, and of a reason */
@@ -172,6 +172,12 @@ typedef struct WaymarkOther {
   double age_s;                     /* of the latest report */
   char device[WAYMARK_ID_BYTES];
   char name[WAYMARK_NAME_BYTES];
+  double rotation_sigma_rad; /* about each axis, now; this and the next since 4 */
+  /* How sure it is of its own pose itself, and its state: WAYMARK_NEVER, … */
+  double known_sigma_m;
+  double known_rotation_sigma_rad;
+  int32_t state;
+  uint32_t reserved; /* 0 */
 } WaymarkOther;
 /* Fills at most `capacity` and counts all; TOO_SMALL if there are more. */
 WaymarkStatus waymark_others(WaymarkSession session, WaymarkOther* others, size_t capacity,
@@ -193,8 +199,10 @@ typedef struct WaymarkAnchor {
   char anchor[WAYMARK_ID_BYTES];
   char owner[WAYMARK_ID_BYTES];
   char kind[WAYMARK_TEXT_BYTES];
-  int32_t audience;  /* WAYMARK_FOR_ROOM, …; 3 */
-  uint32_t reserved; /* 0 */
+  int32_t audience;    /* WAYMARK_FOR_ROOM, …; 3 */
+  uint32_t reserved;   /* 0 */
+  int32_t is_pending;  /* a change of this phone's is shown that is not durable yet; 4 */
+  uint32_t reserved_2; /* 0 */
 } WaymarkAnchor;
 
 typedef struct WaymarkPlacement {
@@ -216,6 +224,15 @@ WaymarkStatus waymark_move_anchor(WaymarkSession session, const WaymarkAnchor* h
 WaymarkStatus waymark_delete_anchor(WaymarkSession session, const WaymarkAnchor* held,
                                     WaymarkAnchor* now);
 
+/* The same without waiting: shown at once, as pending; WAYMARK_EDIT_ENDED tells what became of it.
+ * Each is made on top of the one before and fails with it; of moves only the latest is sent. `now`
+ * is what is shown. 4 */
+WaymarkStatus waymark_begin_place_anchor(WaymarkSession session, const WaymarkPlacement* placement,
+                                         WaymarkAnchor* now);
+WaymarkStatus waymark_begin_move_anchor(WaymarkSession session, const WaymarkAnchor* held,
+                                        const WaymarkTransform* map_from_anchor);
+WaymarkStatus waymark_begin_delete_anchor(WaymarkSession session, const WaymarkAnchor* held);
+
 WaymarkStatus waymark_find_anchor(WaymarkSession session, const char* anchor, WaymarkAnchor* found);
 /* As waymark_others. */
 WaymarkStatus waymark_anchors(WaymarkSession session, WaymarkAnchor* anchors, size_t capacity,
@@ -235,7 +252,8 @@ enum {
   WAYMARK_SNAPSHOT = 5,         /* value 1: all anchors of the room are known; 0: not any more */
   WAYMARK_STATE_CHANGED = 6,    /* value: state of the pose */
   WAYMARK_STANDING_CHANGED = 7, /* value: is_in */
-  WAYMARK_MAP_CHANGED = 8       /* value: epoch; poses, anchors and epoch changed together */
+  WAYMARK_MAP_CHANGED = 8,      /* value: epoch; poses, anchors and epoch changed together */
+  WAYMARK_EDIT_ENDED = 9        /* id, value: WAYMARK_OK if durable, else why it is not; 4 */
 };
 typedef struct WaymarkEvent {
   uint32_t struct_size;

@@ -24,9 +24,9 @@
 /// What devices and the server say to each other, as plain values; idl/README.md has the topics.
 namespace waymark::session {
 
-inline constexpr std::uint32_t kProtocol = 3;  ///< since 3, areas
-/// Since this one anchors have an audience, and owners are told theirs.
-inline constexpr std::uint32_t kAudienceProtocol = 2;
+inline constexpr std::uint32_t kProtocol = 4;
+/// Who speaks an earlier one is told so and refused: poses have another layout since.
+inline constexpr std::uint32_t kOldestProtocol = 4;
 
 // Nothing that arrives may exceed these; the store and the bus rely on them.
 inline constexpr std::size_t kMaxNameBytes = 64;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "localiser/odometry_alignment.h"
 #include "mapping/base/time.h"
 #include "mapping/geometry/frames.h"
 
@@ -16,6 +17,8 @@ enum class RunId : std::uint64_t {};         ///< one life of a server process
 enum class Ticket : std::uint64_t {};        ///< a device's name in what it says to the server
 enum class DeviceNumber : std::uint32_t {};  ///< a device's name in pose batches of one run
 
+/// Numbers are below; they come round again, and are not given twice at a time.
+inline constexpr std::uint32_t kDeviceNumbers = 1 << 24;
 inline constexpr std::size_t kMaxPosesPerBatch = 52;  ///< 52 * 24 octets fit one fragment
 inline constexpr double kMaxSpeed_mps = 32;           ///< of a shared pose; faster ones are cut
 /// A listener is told of others once in so many ticks, each in ticks of its own: so the frames of a
@@ -26,7 +29,9 @@ struct LivePose {
   std::uint64_t epoch = 1;
   ServerTime time;
   Transform<Map, Device> map_from_device;
-  double sigma_m = 0;                                         ///< of the position
+  double sigma_m = 0;             ///< of the position on each axis
+  double rotation_sigma_rad = 0;  ///< about each axis
+  localiser::AlignmentState tracking = localiser::AlignmentState::kNever;
   Eigen::Vector3d velocity_in_map = Eigen::Vector3d::Zero();  ///< m/s
   /// Where the camera looks, a unit vector; zero when not known. Others are not told.
   Eigen::Vector3d gaze_in_map = Eigen::Vector3d::Zero();

@@ -11,9 +11,11 @@ namespace waymark::session {
 
 void SessionState::On(const event::HelloReceived& event, Step& step) {
   const Hello& hello = event.hello;
-  if (hello.protocol == 0) {
+  if (hello.protocol < kOldestProtocol) {
     Refuse(hello, JoinVerdict::kInvalid,
-           fmt::format("expected protocol {} or later, found 0", kProtocol), step);
+           fmt::format("expected an app of protocol {} or later, found {}", kOldestProtocol,
+                       hello.protocol),
+           step);
     return;
   }
   if (const auto objection = FindObjection(event, step.now)) {
@@ -60,7 +62,7 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
         .room = hello.room,
         .name = hello.name,
         .ticket = event.fresh_ticket,
-        .number = DeviceNumber{next_number_++},
+        .number = TakeNumber(),
         .last_heard = step.now,
         .pose = std::nullopt,
         .pose_is_due = false,
@@ -70,6 +72,21 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
         .attempt = hello.attempt,
         .permit = event.permit},
        false, step);
+}
+
+/// Not that of anybody who is here or away.
+DeviceNumber SessionState::TakeNumber() {
+  const auto is_taken = [&](DeviceNumber number) {
+    return std::ranges::any_of(members_,
+                               [&](const auto& m) { return m.second.number == number; }) ||
+           std::ranges::any_of(away_,
+                               [&](const auto& a) { return a.second.member.number == number; });
+  };
+  while (true) {
+    const DeviceNumber number{next_number_++ % kDeviceNumbers};
+    // Before they come round none is taken.
+    if (next_number_ <= kDeviceNumbers || !is_taken(number)) return number;
+  }
 }
 
 void SessionState::Seat(RoomMember member, bool is_return, Step& step) {

@@ -157,6 +157,7 @@ class SessionState {
   void Answer(RoomMember& member, const Uuid& request, const AnchorId& anchor,
               const CommandVerdict& verdict, Step& step);
   RoomMember* FindHeard(Ticket ticket, ServerTime now);
+  DeviceNumber TakeNumber();
 
   StateOptions options_;
   RunId run_;

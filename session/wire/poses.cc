@@ -6,6 +6,7 @@ namespace waymark::session::wire {
 namespace {
 
 constexpr double kMaxSigma_m = 1e6;
+constexpr double kMaxRotationSigma_rad = 4;
 
 void EncodeGaze(const Eigen::Vector3d& gaze, std::uint8_t (&wire)[3]) {
   for (int axis = 0; axis < 3; ++axis) {
@@ -53,6 +54,9 @@ waymark_PoseReport Encode(const PoseReport& report, Scratch&) {
         static_cast<float>(std::clamp(pose.velocity_in_map[axis], -kMaxSpeed_mps, kMaxSpeed_mps));
   }
   EncodeGaze(pose.gaze_in_map, wire.map_gaze);
+  wire.tracking = static_cast<std::uint8_t>(pose.tracking);
+  wire.rotation_sigma_rad =
+      static_cast<float>(std::clamp(pose.rotation_sigma_rad, 0.0, kMaxRotationSigma_rad));
   return wire;
 }
 
@@ -71,6 +75,11 @@ Result<PoseReport> Decode(const waymark_PoseReport& wire) {
     pose.velocity_in_map[axis] = speed_mps;
   }
   pose.gaze_in_map = DecodeGaze(wire.map_gaze);
+  constexpr auto kLast = static_cast<std::uint8_t>(localiser::AlignmentState::kStale);
+  WAYMARK_TRY(CheckRange(wire.tracking, 0, kLast, "tracking"));
+  pose.tracking = static_cast<localiser::AlignmentState>(wire.tracking);
+  WAYMARK_TRY(CheckRange(wire.rotation_sigma_rad, 0, kMaxRotationSigma_rad, "rotation_sigma_rad"));
+  pose.rotation_sigma_rad = wire.rotation_sigma_rad;
   return PoseReport{.ticket = Ticket{wire.ticket}, .pose = pose};
 }
 

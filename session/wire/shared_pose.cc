@@ -94,6 +94,31 @@ std::uint8_t PackSigma(double sigma_m) {
 
 double UnpackSigma(std::uint8_t packed) { return kLeastSigma_m * std::exp(packed / kSigmaSteps); }
 
+// ---- number, and how well the device knows its pose ---------------------------------------------
+
+constexpr int kNumberBits = 24;
+constexpr int kTurnBits = 6;
+constexpr double kLeastTurn_rad = 1e-3;
+const double kTurnSteps = 63 / std::log(1e3);  // to 1 rad
+static_assert(kDeviceNumbers == 1u << kNumberBits);
+
+std::uint32_t PackNumber(const SharedPose& shared) {
+  const double turn_rad = std::max(shared.pose.rotation_sigma_rad, kLeastTurn_rad);
+  const auto turn = static_cast<std::uint32_t>(
+      std::min(std::round(std::log(turn_rad / kLeastTurn_rad) * kTurnSteps), 63.0));
+  const auto tracking = static_cast<std::uint32_t>(shared.pose.tracking);
+  return static_cast<std::uint32_t>(shared.number) | turn << kNumberBits |
+         tracking << (kNumberBits + kTurnBits);
+}
+
+void UnpackNumber(std::uint32_t packed, SharedPose& shared) {
+  shared.number = DeviceNumber{packed & (kDeviceNumbers - 1)};
+  const std::uint32_t turn = packed >> kNumberBits & ((1u << kTurnBits) - 1);
+  shared.pose.rotation_sigma_rad = kLeastTurn_rad * std::exp(turn / kTurnSteps);
+  shared.pose.tracking =
+      static_cast<localiser::AlignmentState>(packed >> (kNumberBits + kTurnBits));
+}
+
 // Slow ones finer than fast ones.
 std::uint8_t PackSpeed(double speed_mps) {
   const double root = std::sqrt(std::min(std::abs(speed_mps) / kMaxSpeed_mps, 1.0));
@@ -126,7 +151,7 @@ waymark_SharedPose EncodeSharedPose(const SharedPose& shared, const PoseReferenc
   const bool is_fine = Fits(offset_m, kFine_m);
   const Bits position = PackPosition(offset_m, is_fine ? kFine_m : kCoarse_m);
   waymark_SharedPose wire{};
-  wire.number = static_cast<std::uint32_t>(shared.number);
+  wire.number = PackNumber(shared);
   wire.position[0] = static_cast<std::uint32_t>(position >> 32);
   wire.position[1] = static_cast<std::uint32_t>(position);
   PackRotation(pose.map_from_device.rotation(), wire.rotation);
@@ -151,11 +176,12 @@ Result<SharedPose> DecodeSharedPose(const waymark_SharedPose& wire, const PoseRe
   }
   WAYMARK_TRY_ASSIGN(const Eigen::Quaterniond rotation, UnpackRotation(wire.rotation));
   SharedPose shared{
-      .number = DeviceNumber{wire.number},
+      .number = {},
       .pose = {.epoch = epoch,
                .time = reference.time - std::chrono::nanoseconds(wire.age * std::int64_t{500'000}),
                .map_from_device = Transform<Map, Device>(rotation, position),
                .sigma_m = UnpackSigma(wire.sigma)}};
+  UnpackNumber(wire.number, shared);
   for (int axis = 0; axis < 3; ++axis) {
     shared.pose.velocity_in_map[axis] = UnpackSpeed(wire.velocity[axis]);
   }

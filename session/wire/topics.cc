@@ -30,12 +30,12 @@ Topic TopicOf<Presence>() {
 }
 template <>
 Topic TopicOf<PoseReport>() {
-  return {"waymark/2/pose_report", &waymark_PoseReport_desc, Delivery::kBestEffort, History::kNone,
+  return {"waymark/3/pose_report", &waymark_PoseReport_desc, Delivery::kBestEffort, History::kNone,
           1};
 }
 template <>
 Topic TopicOf<PoseBatch>() {
-  return {"waymark/2/pose_batch", &waymark_PoseBatch_desc, Delivery::kBestEffort, History::kNone,
+  return {"waymark/3/pose_batch", &waymark_PoseBatch_desc, Delivery::kBestEffort, History::kNone,
           1};
 }
 template <>

@@ -93,7 +93,10 @@ TEST(AnchorRelay, WhereThereAreTooManyTheNearestAreToldAndTheAreaSaysSo) {
 /// A device, and what is under way to it: anchors and states overtake each other, as on the bus.
 class Walker {
  public:
-  explicit Walker(std::mt19937_64& random) : random_(random) { view_.StartRun(kRun, 1); }
+  explicit Walker(std::mt19937_64& random) : random_(random) {
+    view_.StartRun(kRun, 1);
+    view_.On(OwnerState{.owner = kDevice.text(), .run = kRun});
+  }
 
   void Walk(const AnchorRelay& relay, const std::map<AnchorId, AnchorState>& room) {
     std::normal_distribution<double> step(0, 40);

@@ -7,7 +7,7 @@
 #define CONSTANT(name) printf("constant %s %ld\n", #name, (long)(name))
 #define STRUCT(type) printf("struct %s %zu\n", #type, sizeof(type))
 #define FIELD(type, name) \
-  printf("field %s.%s %zu %zu\n", #type, #name, offsetof(type, name), sizeof(((type *)0)->name))
+  printf("field %s.%s %zu %zu\n", #type, #name, offsetof(type, name), sizeof(((type*)0)->name))
 
 static void PrintConstants(void) {
   CONSTANT(WAYMARK_OK);
@@ -49,6 +49,7 @@ static void PrintConstants(void) {
   CONSTANT(WAYMARK_STATE_CHANGED);
   CONSTANT(WAYMARK_STANDING_CHANGED);
   CONSTANT(WAYMARK_MAP_CHANGED);
+  CONSTANT(WAYMARK_EDIT_ENDED);
 }
 
 static void PrintPoseStructs(void) {
@@ -109,6 +110,11 @@ static void PrintRoomStructs(void) {
   FIELD(WaymarkOther, age_s);
   FIELD(WaymarkOther, device);
   FIELD(WaymarkOther, name);
+  FIELD(WaymarkOther, rotation_sigma_rad);
+  FIELD(WaymarkOther, known_sigma_m);
+  FIELD(WaymarkOther, known_rotation_sigma_rad);
+  FIELD(WaymarkOther, state);
+  FIELD(WaymarkOther, reserved);
   STRUCT(WaymarkAnchor);
   FIELD(WaymarkAnchor, struct_size);
   FIELD(WaymarkAnchor, is_supported);
@@ -121,6 +127,8 @@ static void PrintRoomStructs(void) {
   FIELD(WaymarkAnchor, kind);
   FIELD(WaymarkAnchor, audience);
   FIELD(WaymarkAnchor, reserved);
+  FIELD(WaymarkAnchor, is_pending);
+  FIELD(WaymarkAnchor, reserved_2);
   STRUCT(WaymarkPlacement);
   FIELD(WaymarkPlacement, struct_size);
   FIELD(WaymarkPlacement, reserved);

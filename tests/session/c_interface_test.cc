@@ -186,5 +186,39 @@ TEST_F(CInterface, WhatCannotBeJoinedSaysWhy) {
   EXPECT_EQ(nobody.session(), 0u);
 }
 
+TEST_F(CInterface, ChangesNeedNotBeWaitedFor) {
+  StartServer();
+  const auto ben = Join("Ben");
+  const CPhone anna(MakeDeviceOptions("Anna"));
+  ASSERT_EQ(anna.joined(), WAYMARK_OK) << anna.message();
+  ASSERT_TRUE(anna.Localise());
+  auto placement = Sized<WaymarkPlacement>();
+  placement.device_from_anchor = At(2, 0, 0);
+  placement.kind = "note";
+  auto anchor = Sized<WaymarkAnchor>();
+  ASSERT_EQ(waymark_begin_place_anchor(anna.session(), &placement, &anchor), WAYMARK_OK);
+  EXPECT_EQ(anchor.is_pending, 1);
+  const WaymarkTransform there = At(7, 7, 1);
+  EXPECT_EQ(waymark_begin_move_anchor(anna.session(), &anchor, &there), WAYMARK_OK);
+  EXPECT_EQ(waymark_find_anchor(anna.session(), anchor.anchor, &anchor), WAYMARK_OK);
+  EXPECT_EQ(anchor.map_from_anchor.translation_m[0], 7);
+  int ended = 0;
+  EXPECT_TRUE(Eventually([&] {
+    auto event = Sized<WaymarkEvent>();
+    EXPECT_EQ(waymark_next_event(anna.session(), &event), WAYMARK_OK);
+    if (event.kind != WAYMARK_EDIT_ENDED) return false;
+    EXPECT_EQ(event.value, WAYMARK_OK);
+    EXPECT_STREQ(event.id, anchor.anchor);
+    return ++ended == 2;
+  }));
+  EXPECT_EQ(waymark_find_anchor(anna.session(), anchor.anchor, &anchor), WAYMARK_OK);
+  EXPECT_EQ(anchor.is_pending, 0);
+  EXPECT_TRUE(
+      Eventually([&] { return support::FindAnchor(*ben, AnchorId(anchor.anchor)).has_value(); }));
+  EXPECT_EQ(waymark_begin_delete_anchor(anna.session(), &anchor), WAYMARK_OK);
+  EXPECT_EQ(waymark_find_anchor(anna.session(), anchor.anchor, &anchor), WAYMARK_NOT_FOUND);
+  EXPECT_TRUE(Eventually([&] { return !support::FindAnchor(*ben, AnchorId(anchor.anchor)); }));
+}
+
 }  // namespace
 }  // namespace waymark::session

@@ -44,6 +44,7 @@ class Phone {
   Phone(std::uint64_t epoch, const std::map<AnchorId, AnchorState>& held)
       : view_(DeviceId("listener")), epoch_(epoch) {
     view_.StartRun(RunId{42}, epoch);
+    view_.On(OwnerState{.owner = "listener", .run = RunId{42}});
     for (const auto& [id, state] : held) view_.On(state);
   }
 

@@ -42,6 +42,15 @@ TEST(JoinDesk, RepeatsUntilWelcomedAndIgnoresAnswersToOthers) {
   EXPECT_TRUE(desk.TakePingDue(kStart));
 }
 
+TEST(JoinDesk, AServerOfAnEarlierProtocolIsNoServer) {
+  JoinDesk desk(1);
+  desk.TakeHelloDue(kStart);
+  Welcome welcome = Accepted(1);
+  welcome.protocol = kOldestProtocol - 1;
+  EXPECT_EQ(desk.On(welcome, kStart), JoinDesk::Outcome::kRefused);
+  EXPECT_FALSE(desk.IsConnected());
+}
+
 TEST(JoinDesk, SilenceMeansJoiningAgain) {
   JoinDesk desk(1);
   desk.TakeHelloDue(kStart);

@@ -13,15 +13,18 @@ ServerTime At(double time_s) {
                     std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 * time_s)));
 }
 
-void Note(const LivePose& truth, const Transform<Map, Device>& shown, double sigma_m,
+void Note(const LivePose& truth, const RemoteTrack::Shown& told,
           std::optional<Eigen::Vector3d>& before, DisplayErrors& errors) {
+  const Transform<Map, Device>& shown = told.map_from_device;
   const Eigen::Vector3d error = shown.translation() - truth.map_from_device.translation();
   errors.position_m.push_back(error.norm());
   errors.rotation_rad.push_back(
       AngleBetween(shown.rotation(), truth.map_from_device.rotation()).radians());
   if (before) errors.jump_m.push_back((error - *before).norm());
   before = error;
-  errors.per_sigma.push_back(error.norm() / std::max(sigma_m, 1e-6));
+  errors.per_sigma.push_back(error.norm() / std::max(told.sigma_m, 1e-6));
+  errors.rotation_per_sigma.push_back(errors.rotation_rad.back() /
+                                      std::max(told.rotation_sigma_rad, 1e-6));
 }
 
 }  // namespace
@@ -49,7 +52,11 @@ Stroller::Stroller(std::uint64_t seed) {
     gaze += kStep_s * gaze_rate;
     pitch = 0.03 * velocity.norm() * std::sin(2 * 3.14159 * 1.9 * time_s);
     const Eigen::Vector3d sway(0, 0, 0.02 * velocity.norm() * std::sin(2 * 3.14159 * 1.9 * time_s));
-    LivePose pose{.epoch = 1, .time = At(time_s), .map_from_device = {}, .sigma_m = 0.02};
+    LivePose pose{.epoch = 1,
+                  .time = At(time_s),
+                  .map_from_device = {},
+                  .sigma_m = 0.02,
+                  .rotation_sigma_rad = 0.004};
     pose.map_from_device = {
         Eigen::Quaterniond(Eigen::AngleAxisd(heading + gaze, Eigen::Vector3d::UnitZ()) *
                            Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY())),
@@ -114,8 +121,9 @@ PlayoutErrors SimulatePlayout(const NetworkProfile& profile, const PlayoutOption
     const LivePose truth = stroller.PoseAt(now_s);
     const auto shown = track.At(At(now_s));
     if (!shown) continue;
-    Note(truth, shown->map_from_device, shown->sigma_m, before_track, errors.track);
-    Note(truth, latest->map_from_device, latest->sigma_m, before_latest, errors.latest);
+    Note(truth, *shown, before_track, errors.track);
+    Note(truth, {latest->map_from_device, latest->sigma_m, latest->rotation_sigma_rad},
+         before_latest, errors.latest);
     errors.mean_delay_s += track.delay().count();
   }
   errors.mean_delay_s /= static_cast<double>(errors.track.position_m.size());

@@ -25,6 +25,7 @@ struct DisplayErrors {
   std::vector<double> position_m, rotation_rad;
   std::vector<double> jump_m;     ///< how the error changes from one frame to the next
   std::vector<double> per_sigma;  ///< error in sigmas that were told
+  std::vector<double> rotation_per_sigma;
 };
 
 /// Reports of one phone at 30 Hz over a network to the server, its ticks at 30 Hz over another to a

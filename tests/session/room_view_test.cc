@@ -43,9 +43,14 @@ OwnerState OwnOf(int number, std::uint64_t revision) {
           .anchor_digest = AnchorDigest(AnchorNamed(number), revision)};
 }
 
+OwnerState OwnNone(RunId run = kRun) { return {.owner = "@anna", .run = run}; }
+
 class View : public testing::Test {
  protected:
-  View() { view_.StartRun(kRun, 1); }
+  View() {
+    view_.StartRun(kRun, 1);
+    view_.On(OwnNone());
+  }
 
   std::vector<std::string> Ids() const {
     std::vector<std::string> ids;
@@ -57,18 +62,19 @@ class View : public testing::Test {
   RoomView view_{self_};
 };
 
-TEST_F(View, WaitsForItsOwnersAnchorsWhereTheServerTellsThem) {
-  view_.StartRun(kRun, 1, true);
-  view_.On(RoomOf({{1, 10}}));
-  view_.On(State(1, 10));
-  EXPECT_FALSE(view_.HasSnapshot());
-  view_.On(OwnOf(2, 11));
-  EXPECT_FALSE(view_.HasSnapshot());
-  view_.On(Own(2, 11));
-  EXPECT_TRUE(view_.HasSnapshot());
-  EXPECT_THAT(Ids(), SizeIs(2));
-  view_.OnGone(AnchorNamed(2), true);
-  EXPECT_THAT(Ids(), SizeIs(1));
+TEST_F(View, WaitsForItsOwnersAnchors) {
+  RoomView view(self_);
+  view.StartRun(kRun, 1);
+  view.On(RoomOf({{1, 10}}));
+  view.On(State(1, 10));
+  EXPECT_FALSE(view.HasSnapshot());
+  view.On(OwnOf(2, 11));
+  EXPECT_FALSE(view.HasSnapshot());
+  view.On(Own(2, 11));
+  EXPECT_TRUE(view.HasSnapshot());
+  EXPECT_THAT(view.Anchors(), SizeIs(2));
+  view.OnGone(AnchorNamed(2), true);
+  EXPECT_THAT(view.Anchors(), SizeIs(1));
 }
 
 TEST_F(View, AnAnchorThatChangesItsAudienceIsThereOnceWhicheverIsToldFirst) {
@@ -123,6 +129,7 @@ TEST_F(View, ANewRunKeepsTheOldAnchorsUntilItIsComplete) {
   EXPECT_FALSE(view_.HasSnapshot());
   EXPECT_THAT(Ids(), SizeIs(2)) << "content does not flicker";
   view_.On(RoomOf({{1, 10}}, kNextRun));
+  view_.On(OwnNone(kNextRun));
   EXPECT_TRUE(view_.HasSnapshot());
   EXPECT_THAT(Ids(), ElementsAre(AnchorNamed(1).text()));
 }

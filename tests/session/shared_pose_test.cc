@@ -18,7 +18,9 @@ SharedPose MakePose(RandomGeometry& random, const Eigen::Vector3d& position) {
           {.epoch = 4,
            .time = kNow - std::chrono::milliseconds(41),
            .map_from_device = Transform<Map, Device>(random.Rigid().rotation(), position),
-           .sigma_m = 0.05}};
+           .sigma_m = 0.05,
+           .rotation_sigma_rad = 0.01,
+           .tracking = localiser::AlignmentState::kFixed}};
 }
 
 SharedPose Through(const SharedPose& shared, const PoseReference& reference) {
@@ -39,6 +41,7 @@ TEST(SharedPose, ComesBackWithinItsBounds) {
     ASSERT_LE((after.translation() - before.translation()).cwiseAbs().maxCoeff(), 0.001 + 1e-9);
     ASSERT_LE(AngleBetween(after.rotation(), before.rotation()).radians(), 0.00015);
     EXPECT_EQ(found.number, sent.number);
+    EXPECT_EQ(found.pose.tracking, sent.pose.tracking);
     EXPECT_EQ(found.pose.epoch, 4u);
     EXPECT_EQ(found.pose.time, sent.pose.time);
   }
@@ -92,16 +95,33 @@ TEST(SharedPose, AgeSigmaAndVelocityComeBackWithinTheirs) {
   }
 }
 
+TEST(SharedPose, HowWellItKnowsWhereItIsComesBackBesideTheLargestNumber) {
+  RandomGeometry random(8);
+  const PoseReference reference{.time = kNow};
+  for (int i = 0; i < 1000; ++i) {
+    SharedPose sent = MakePose(random, {1, 2, 3});
+    sent.number = DeviceNumber{kDeviceNumbers - 1};
+    sent.pose.rotation_sigma_rad = 1e-3 * std::pow(10, 3 * i / 1000.0);
+    sent.pose.tracking = static_cast<localiser::AlignmentState>(i % 4);
+    const SharedPose found = Through(sent, reference);
+    EXPECT_EQ(found.number, sent.number);
+    EXPECT_EQ(found.pose.tracking, sent.pose.tracking);
+    EXPECT_NEAR(found.pose.rotation_sigma_rad / sent.pose.rotation_sigma_rad, 1, 0.06);
+  }
+}
+
 TEST(SharedPose, WhatIsBeyondIsCut) {
   RandomGeometry random(6);
   const PoseReference reference{.time = kNow};
   SharedPose sent = MakePose(random, {1, 2, 3});
   sent.pose.time = kNow - std::chrono::hours(1);
   sent.pose.sigma_m = 1e9;
+  sent.pose.rotation_sigma_rad = 1e9;
   sent.pose.velocity_in_map = {1e4, 0, -1e4};
   const LivePose found = Through(sent, reference).pose;
   EXPECT_NEAR(Seconds(kNow - found.time), 16.4, 0.1);
   EXPECT_NEAR(found.sigma_m, 1000, 1);
+  EXPECT_NEAR(found.rotation_sigma_rad, 1, 1e-6);
   EXPECT_EQ(found.velocity_in_map, Eigen::Vector3d(kMaxSpeed_mps, 0, -kMaxSpeed_mps));
 }
 

@@ -101,8 +101,9 @@ TEST_F(State, LimitsAreRefusedWithAReason) {
   EXPECT_EQ(Only<effect::CloseDevice>().device, Device('C'));
   Hello('C', "garden");
   EXPECT_EQ(Only<effect::SendWelcome>().welcome.verdict, JoinVerdict::kRefused);
-  Hello('C', "square", 0);
+  Hello('C', "square", kOldestProtocol - 1);
   EXPECT_EQ(Only<effect::SendWelcome>().welcome.verdict, JoinVerdict::kInvalid);
+  EXPECT_THAT(Only<effect::SendWelcome>().welcome.reason, HasSubstr("protocol"));
 }
 
 TEST_F(State, ARoomThatCannotBeReadTellsThoseWhoWait) {

@@ -41,7 +41,11 @@ MATCHER(IsRefused, "is refused as invalid") {
 }
 
 inline Hello MakeHello() {
-  return {.device = kDevice, .protocol = 3, .attempt = 9, .room = RoomId("square"), .name = "Ännä"};
+  return {.device = kDevice,
+          .protocol = kProtocol,
+          .attempt = 9,
+          .room = RoomId("square"),
+          .name = "Ännä"};
 }
 
 inline LocaliseQuery MakeQuery() {

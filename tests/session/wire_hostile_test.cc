@@ -52,8 +52,11 @@ TEST(Wire, HostilePosesAreRefused) {
                                         std::end(wire.map_quaternion_xyzw), 0.f);
                             }),
               IsRefused());
+  EXPECT_THAT(ReturnChanged(report, [](auto& wire) { wire.tracking = 4; }), IsRefused());
   for (const float bad : {NAN, -1.f, INFINITY}) {
     EXPECT_THAT(ReturnChanged(report, [&](auto& wire) { wire.sigma_m = bad; }), IsRefused());
+    EXPECT_THAT(ReturnChanged(report, [&](auto& wire) { wire.rotation_sigma_rad = bad; }),
+                IsRefused());
   }
 }
 

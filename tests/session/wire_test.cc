@@ -26,7 +26,7 @@ TEST(Wire, JoiningComesBack) {
   const auto hello = Return(MakeHello());
   ASSERT_TRUE(hello.ok());
   EXPECT_EQ(hello->device, kDevice);
-  EXPECT_EQ(hello->protocol, 3u);
+  EXPECT_EQ(hello->protocol, kProtocol);
   EXPECT_EQ(hello->attempt, 9u);
   EXPECT_EQ(hello->room, RoomId("square"));
   EXPECT_EQ(hello->name, "Ännä");

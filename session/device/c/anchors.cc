@@ -55,6 +55,28 @@ Result<SharedAnchor> FindAnchor(const DeviceSession& device, const char* anchor)
   return MakeError(ErrorCode::kNotFound, "anchor \"{}\": is not in the room", id);
 }
 
+using Placing = Result<SharedAnchor> (DeviceSession::*)(const Transform<Device, Anchor>&,
+                                                        const std::string&, const std::string&,
+                                                        content::AnchorVisibility);
+
+WaymarkStatus Place(WaymarkSession session, const WaymarkPlacement* placement, WaymarkAnchor* now,
+                    Placing place) {
+  return WithDevice(session, [&](DeviceSession& device) -> Outcome {
+    WAYMARK_TRY_ASSIGN(const WaymarkPlacement theirs, ReadStruct(placement, "placement"));
+    WAYMARK_TRY_ASSIGN(const auto where, (ReadTransform<Device, Anchor>(&theirs.device_from_anchor,
+                                                                        "device_from_anchor")));
+    WAYMARK_TRY_ASSIGN(const auto kind,
+                       ReadText(theirs.kind, WAYMARK_TEXT_BYTES - 1, "placement's kind"));
+    WAYMARK_TRY_ASSIGN(const auto payload, ReadPayload(theirs));
+    WAYMARK_TRY_ASSIGN(const Now answer, Now::Of(now));
+    WAYMARK_TRY_ASSIGN(const auto audience, ReadAudience(theirs.audience));
+    const auto placed = (device.*place)(where, kind, payload, audience);
+    if (!placed) return placed.error();
+    answer.Is(*placed);
+    return {};
+  });
+}
+
 }  // namespace
 }  // namespace waymark::session::c
 
@@ -64,19 +86,30 @@ using waymark::session::SharedAnchor;
 
 WaymarkStatus waymark_place_anchor(WaymarkSession session, const WaymarkPlacement* placement,
                                    WaymarkAnchor* now) {
+  return Place(session, placement, now, &DeviceSession::PlaceAnchor);
+}
+
+WaymarkStatus waymark_begin_place_anchor(WaymarkSession session, const WaymarkPlacement* placement,
+                                         WaymarkAnchor* now) {
+  return Place(session, placement, now, &DeviceSession::BeginPlace);
+}
+
+WaymarkStatus waymark_begin_move_anchor(WaymarkSession session, const WaymarkAnchor* held,
+                                        const WaymarkTransform* map_from_anchor) {
   return WithDevice(session, [&](DeviceSession& device) -> Outcome {
-    WAYMARK_TRY_ASSIGN(const WaymarkPlacement theirs, ReadStruct(placement, "placement"));
-    WAYMARK_TRY_ASSIGN(const auto place, (ReadTransform<waymark::Device, waymark::Anchor>(
-                                             &theirs.device_from_anchor, "device_from_anchor")));
-    WAYMARK_TRY_ASSIGN(const auto kind,
-                       ReadText(theirs.kind, WAYMARK_TEXT_BYTES - 1, "placement's kind"));
-    WAYMARK_TRY_ASSIGN(const auto payload, ReadPayload(theirs));
-    WAYMARK_TRY_ASSIGN(const Now answer, Now::Of(now));
-    WAYMARK_TRY_ASSIGN(const auto audience, ReadAudience(theirs.audience));
-    const auto placed = device.PlaceAnchor(place, kind, payload, audience);
-    if (!placed) return placed.error();
-    answer.Is(*placed);
-    return {};
+    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    WAYMARK_TRY_ASSIGN(const auto place, (ReadTransform<waymark::Map, waymark::Anchor>(
+                                             map_from_anchor, "map_from_anchor")));
+    return device.BeginMove(anchor, place);
+  });
+}
+
+WaymarkStatus waymark_begin_delete_anchor(WaymarkSession session, const WaymarkAnchor* held) {
+  return WithDevice(session, [&](DeviceSession& device) -> Outcome {
+    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    return device.BeginDelete(anchor);
   });
 }
 

@@ -55,6 +55,8 @@ inline constexpr std::size_t kFirstSize = sizeof(Struct);
 template <>
 inline constexpr std::size_t kFirstSize<WaymarkAnchor> = 424;
 template <>
+inline constexpr std::size_t kFirstSize<WaymarkOther> = 208;
+template <>
 inline constexpr std::size_t kFirstSize<WaymarkPlacement> = 88;
 template <>
 inline constexpr std::size_t kFirstSize<WaymarkStanding> = 328;

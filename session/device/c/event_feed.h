@@ -40,6 +40,7 @@ class EventFeed {
   /// Only once everything told before was taken.
   void Compare(const Glance& now);
   void Compare(localiser::AlignmentState state);
+  void Tell(const Event& event) { untold_.push_back(event); }
   std::optional<Event> Take();
 
  private:

@@ -50,7 +50,11 @@ Outcome NoSuchSession(WaymarkSession session) {
 // Whole rooms are compared, so only when the device says that something changed.
 Event NextEvent(HeldSession& session) {
   if (auto event = session.feed.Take()) return *std::move(event);
-  const DeviceSession& device = *session.device;
+  DeviceSession& device = *session.device;
+  for (const EditOutcome& edit : device.TakeOutcomes()) {
+    const WaymarkStatus status = edit.error ? Outcome(*edit.error).status : WAYMARK_OK;
+    session.feed.Tell({WAYMARK_EDIT_ENDED, status, edit.anchor.text()});
+  }
   const std::uint64_t changes = device.Changes();
   if (session.compared_changes != changes) {
     session.compared_changes = changes;

@@ -192,6 +192,10 @@ WaymarkOther ToC(const OtherDevice& other) {
   c.age_s = other.age.count();
   WriteText(other.id.text(), c.device, sizeof(c.device));
   WriteText(other.name, c.name, sizeof(c.name));
+  c.rotation_sigma_rad = other.rotation_sigma_rad;
+  c.known_sigma_m = other.certainty.sigma_m;
+  c.known_rotation_sigma_rad = other.certainty.rotation_sigma_rad;
+  c.state = static_cast<std::int32_t>(other.tracking);
   return c;
 }
 
@@ -208,6 +212,7 @@ WaymarkAnchor ToC(const SharedAnchor& anchor) {
   for (const auto& [ours, theirs] : kAudiences) {
     if (ours == anchor.audience) c.audience = theirs;
   }
+  c.is_pending = anchor.is_pending;
   return c;
 }
 

@@ -14,6 +14,7 @@
 #include "session/device/internal/area_desk.h"
 #include "session/device/internal/burst_desk.h"
 #include "session/device/internal/desks.h"
+#include "session/device/internal/edit_desk.h"
 #include "session/device/internal/tile_desk.h"
 #include "session/device/pose_tracker.h"
 #include "session/device/room_view.h"
@@ -47,6 +48,13 @@ class LiveSession final : public DeviceSession {
   Result<SharedAnchor> MoveAnchor(const SharedAnchor& anchor,
                                   const Transform<Map, Anchor>& map_from_anchor) override;
   Result<void> DeleteAnchor(const SharedAnchor& anchor) override;
+  Result<SharedAnchor> BeginPlace(const Transform<Device, Anchor>& device_from_anchor,
+                                  const std::string& kind, const std::string& payload,
+                                  content::AnchorVisibility audience) override;
+  Result<void> BeginMove(const SharedAnchor& anchor,
+                         const Transform<Map, Anchor>& map_from_anchor) override;
+  Result<void> BeginDelete(const SharedAnchor& anchor) override;
+  std::vector<EditOutcome> TakeOutcomes() override;
   std::vector<SharedAnchor> Anchors() const override;
   std::optional<SharedAnchor> FindAnchor(const AnchorId& anchor) const override;
   bool HasSnapshot() const override;
@@ -101,7 +109,18 @@ class LiveSession final : public DeviceSession {
 
   std::optional<localiser::LocalisedPose> InLiveMap(const LocaliseAnswer& answer) const;
   LocaliseQuery MakeQuery(const DeviceFrame& frame, RequestNumber request) const;
-  Result<CommandReply> Perform(AnchorCommand command);
+  /// A command with a request of its own, as the application's call says.
+  Result<AnchorCommand> ToPlace(const Transform<Device, Anchor>& device_from_anchor,
+                                const std::string& kind, const std::string& payload,
+                                content::AnchorVisibility audience) const;  // with mutex_ held
+  AnchorCommand ToMove(const SharedAnchor& anchor,
+                       const Transform<Map, Anchor>& map_from_anchor) const;  // with mutex_ held
+  Result<void> Begin(const AnchorCommand& command, EditDesk::Ending ending);  // with mutex_ held
+  Result<CommandReply> Await(const AnchorCommand& command, std::unique_lock<std::mutex>& lock);
+  void SendEdits(Instant now);  // with mutex_ held
+  /// It was answered, or is not waited for any more.
+  void FinishEdit(const Uuid& request, bool is_overdue = false);  // with mutex_ held
+  void FinishEdits(const Error& error);                           // with mutex_ held
   Result<void> Perform(RoomCommand command);
   /// Sends, repeats and waits; `about` names it in errors. `sent` counts.
   Result<CommandReply> Await(const Command& command, const std::string& about, int& sent);
@@ -131,6 +150,7 @@ class LiveSession final : public DeviceSession {
   TileDesk tile_desk_;
   ImageSizer sizer_;
   CommandDesk commands_;
+  EditDesk edits_;
   AreaDesk areas_;
   std::optional<GeoPoint> about_;  // where it is, until it has a pose
   ClockEstimator session_clock_;

@@ -77,8 +77,8 @@ void Visit(Archive& archive, Hello& value) {
 
 template <typename Archive>
 void Visit(Archive& archive, LivePose& value) {
-  auto& [epoch, time, pose, sigma, velocity, gaze] = value;
-  archive(epoch, time, pose, sigma, velocity, gaze);
+  auto& [epoch, time, pose, sigma, rotation_sigma, tracking, velocity, gaze] = value;
+  archive(epoch, time, pose, sigma, rotation_sigma, tracking, velocity, gaze);
 }
 
 template <typename Archive>

@@ -66,7 +66,8 @@ struct Layout<waymark_PoseReport> {
   static constexpr bool kAppendable = false;
   static void Visit(auto& archive, auto& m) {
     archive(m.ticket, m.epoch, m.sigma_m, m.session_time_ns, m.map_position_m,
-            m.map_quaternion_xyzw, m.map_velocity_mps, m.map_gaze);
+            m.map_quaternion_xyzw, m.map_velocity_mps, m.map_gaze, m.tracking,
+            m.rotation_sigma_rad);
   }
 };
 

@@ -73,8 +73,9 @@ int Run(int argc, char** argv) {
   const auto trials = RunPhones(plan, MakeWorkshop(work));
   if (!trials) return Fail(trials.error());
   const std::vector<double> relative_m = RelativeErrors(*trials, kRelativeDistanceM);
-  fmt::print("{}\n{}", DescribePhones(plan, *trials),
-             DescribeRelativeErrors(relative_m, kRelativeDistanceM));
+  fmt::print("{}\n{}{}", DescribePhones(plan, *trials),
+             DescribeRelativeErrors(relative_m, kRelativeDistanceM),
+             DescribeAgreement(SharedLooks(*trials)));
   if (pictures.empty()) return 0;
   const auto stored = StorePictures(pictures, *trials, relative_m);
   return stored ? 0 : Fail(stored.error());

@@ -53,6 +53,28 @@ std::string DescribeRelativeErrors(std::span<const double> errors_m, double dist
       100 * figures.p95, figures.count);
 }
 
+std::string DescribeAgreement(std::span<const SharedLook> looks) {
+  std::vector<double> apart_m, p50_m, p95_m;
+  std::size_t within_p50 = 0, within_p95 = 0;
+  for (const SharedLook& look : looks) {
+    apart_m.push_back(look.apart_m);
+    p50_m.push_back(look.expected.p50_m);
+    p95_m.push_back(look.expected.p95_m);
+    within_p50 += look.apart_m <= look.expected.p50_m;
+    within_p95 += look.apart_m <= look.expected.p95_m;
+  }
+  const ErrorFigures apart = Summarise(std::move(apart_m));
+  const double all = std::max<double>(1, static_cast<double>(looks.size()));
+  return fmt::format(
+      "Two phones that look at the same anchor show it {:.1f} cm apart (median; 95 %: {:.1f}), "
+      "over "
+      "{} looks;\nas they say themselves {:.1f} and {:.1f}, which {:.0f} and {:.0f} % of the looks "
+      "are within.\n",
+      100 * apart.median, 100 * apart.p95, looks.size(), 100 * Summarise(std::move(p50_m)).median,
+      100 * Summarise(std::move(p95_m)).median, 100 * static_cast<double>(within_p50) / all,
+      100 * static_cast<double>(within_p95) / all);
+}
+
 std::string DrawWalk(const PhoneTrial& trial) {
   Eigen::AlignedBox2d box;
   for (const ShownInstant& instant : trial.shown) {

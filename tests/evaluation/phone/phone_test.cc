@@ -25,6 +25,7 @@ PhoneTrial Straight(int seconds, double off_m) {
          .vo_from_device = At(0.101 * i),
          .state = i < 20 ? localiser::AlignmentState::kCoarse : localiser::AlignmentState::kFixed,
          .shown = i < 20 ? At(50) : off * At(0.1 * i),
+         .certainty = {},
          .by_newest_fix = std::nullopt,
          .update_ms = 0.01});
   }
@@ -65,6 +66,21 @@ TEST(PhoneErrors, RelativeOnesAreOverTheFirstAnswersSoFarApart) {
   const std::vector<double> errors_m = RelativeErrors(trials, 20);
   ASSERT_EQ(errors_m.size(), 11U);
   EXPECT_THAT(errors_m, testing::Each(DoubleNear(0.02, 1e-9)));
+}
+
+TEST(Agreement, IsTheDistanceBetweenWhatTwoPhonesShow) {
+  std::vector<PhoneTrial> trials{Straight(40, 0.05), Straight(40, -0.03)};
+  for (PhoneTrial& trial : trials) {
+    for (ShownInstant& instant : trial.shown) instant.certainty = {0.04, 0};
+  }
+  const std::vector<SharedLook> looks = SharedLooks(trials);
+  ASSERT_GT(looks.size(), 100U);
+  for (const SharedLook& look : looks) {
+    EXPECT_THAT(look.apart_m, DoubleNear(0.08, 1e-9));
+    EXPECT_THAT(look.expected.p50_m, DoubleNear(1.5382 * 0.04 * std::sqrt(2), 1e-4));
+  }
+  EXPECT_THAT(DescribeAgreement(looks), HasSubstr("8.0 cm apart"));
+  EXPECT_TRUE(SharedLooks({trials.data(), 1}).empty()) << "with nobody";
 }
 
 TEST(Pictures, HoldWhatTheyShow) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "session/device/agreement.h"
 #include "session/device/pose_tracker.h"
 #include "tests/evaluation/localisation/true_pose_map.h"
 #include "tests/support/processor_time.h"
@@ -97,6 +98,7 @@ class Walk {
                          .vo_from_device = sample.vo_from_device.rigid(),
                          .state = pose.state,
                          .shown = std::nullopt,
+                         .certainty = session::CertaintyOf(pose.covariance),
                          .by_newest_fix = std::nullopt,
                          .update_ms = update_ms};
     if (pose.map_from_device) instant.shown = pose.map_from_device->rigid();

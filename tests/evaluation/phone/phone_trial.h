@@ -42,6 +42,7 @@ struct ShownInstant {
   Rigid3 vo_from_device;   ///< the phone's odometry
   localiser::AlignmentState state{};
   std::optional<Rigid3> shown;          ///< what content is drawn with
+  session::PoseCertainty certainty;     ///< of that, as the phone says
   std::optional<Rigid3> by_newest_fix;  ///< odometry chained to the newest fix alone
   double update_ms = 0;                 ///< processor time of the phone's own part
 };
