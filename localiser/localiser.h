@@ -97,6 +97,9 @@ struct Localisation {
   StageTimes times;
 };
 
+/// How the landmark that a feature shows is looked for; lists are faster and find more.
+enum class SearchMethod : std::uint8_t { kInvertedLists, kKdTrees };
+
 struct LocaliserOptions {
   /// Phone frames are smaller; photos are reduced, which made a 6 MP one 4 times faster and no less
   /// exact.
@@ -105,6 +108,7 @@ struct LocaliserOptions {
   double max_error_px = 6;  ///< reprojection error of an inlier
   /// Doubt about a request's focal length: where the matches contradict it, another is taken.
   double focal_sigma_share = 0.05;
+  SearchMethod search = SearchMethod::kInvertedLists;
   /// Inverted lists of a submap that a feature looks into; more find more, and take longer.
   std::size_t probes = 16;
   double max_ratio = 0.85;  ///< angle to the best landmark over the best of another one

@@ -58,13 +58,22 @@ Entries ChooseEntries(std::span<const mapping::Descriptor> descriptors,
   return entries;
 }
 
-LandmarkSearch MakeSearch(std::span<const mapping::Descriptor> descriptors,
-                          std::span<const std::uint32_t> observed_landmarks,
-                          const CoarseQuantiser& quantiser, const LocaliserOptions& options) {
+std::variant<LandmarkSearch, KdTreeSearch> MakeSearch(
+    std::span<const mapping::Descriptor> descriptors,
+    std::span<const std::uint32_t> observed_landmarks, const CoarseQuantiser& quantiser,
+    const LocaliserOptions& options) {
   const Entries entries = ChooseEntries(descriptors, observed_landmarks);
-  return LandmarkSearch(entries.descriptors, entries.landmarks, quantiser,
-                        LandmarkSearchOptions{.max_ratio = options.max_ratio});
+  const LandmarkSearchOptions search{.max_ratio = options.max_ratio};
+  if (options.search == SearchMethod::kKdTrees) {
+    return KdTreeSearch(entries.descriptors, entries.landmarks, search);
+  }
+  return LandmarkSearch(entries.descriptors, entries.landmarks, quantiser, search);
 }
+
+template <typename... Kinds>
+struct Overloaded : Kinds... {
+  using Kinds::operator()...;
+};
 
 }  // namespace
 
@@ -75,6 +84,10 @@ SubmapLocaliser::SubmapLocaliser(std::span<const Eigen::Vector3d> landmarks_in_s
     : options_(options),
       landmarks_in_submap_(landmarks_in_submap),
       search_(MakeSearch(descriptors, observed_landmarks, quantiser, options)) {}
+
+std::size_t SubmapLocaliser::bytes() const {
+  return std::visit([](const auto& search) { return search.bytes(); }, search_);
+}
 
 ImageMatches SubmapLocaliser::Match(const mapping::ImageFeatures& features,
                                     std::vector<LandmarkMatch> found) const {
@@ -93,7 +106,11 @@ SubmapAnswer SubmapLocaliser::FindMatches(const mapping::ImageFeatures& features
                                           const RankedCells& cells) const {
   SubmapAnswer answer;
   const Stopwatch search_watch;
-  FoundLandmarks found = search_.Match(features.descriptors, cells);
+  FoundLandmarks found = std::visit(
+      Overloaded{
+          [&](const LandmarkSearch& lists) { return lists.Match(features.descriptors, cells); },
+          [&](const KdTreeSearch& trees) { return trees.Match(features.descriptors); }},
+      search_);
   answer.matches = Match(features, std::move(found.matches));
   answer.resemblances = std::move(found.resemblances);
   answer.search_ms = 1e3 * search_watch.ElapsedS();

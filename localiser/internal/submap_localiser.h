@@ -7,9 +7,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "localiser/internal/image_matches.h"
+#include "localiser/internal/kd_tree_search.h"
 #include "localiser/internal/landmark_search.h"
 #include "localiser/localiser.h"
 #include "mapping/estimation/absolute_pose.h"
@@ -37,7 +39,7 @@ class SubmapLocaliser {
                   std::span<const std::uint32_t> observed_landmarks,
                   const CoarseQuantiser& quantiser, const LocaliserOptions& options);
 
-  std::size_t bytes() const { return search_.bytes(); }  ///< of its own, not of what it borrows
+  std::size_t bytes() const;  ///< of its own, not of what it borrows
 
   /// The cells are those of the features, ranked by the same quantiser.
   SubmapAnswer Localise(const mapping::ImageFeatures& features, const RankedCells& cells,
@@ -60,7 +62,7 @@ class SubmapLocaliser {
 
   LocaliserOptions options_;
   std::span<const Eigen::Vector3d> landmarks_in_submap_;
-  LandmarkSearch search_;
+  std::variant<LandmarkSearch, KdTreeSearch> search_;
 };
 
 }  // namespace waymark::localiser::internal

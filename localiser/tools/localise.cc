@@ -33,8 +33,9 @@ Result<void> CheckOutFolder(const std::filesystem::path& out) {
 Result<std::shared_ptr<const Localiser>> Open(const mapping::MapDirectory& map,
                                               const LocaliseArguments& arguments) {
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
-  const LocaliserOptions options{.memory_budget_bytes =
-                                     static_cast<std::size_t>(1e6 * arguments.memory_mb)};
+  const LocaliserOptions options{
+      .search = arguments.search,
+      .memory_budget_bytes = static_cast<std::size_t>(1e6 * arguments.memory_mb)};
   WAYMARK_TRY_ASSIGN(auto localiser, Localiser::Create(map, release, options));
   LogInfo("{}: epoch {}, {} submaps", arguments.map, release.epoch, release.submaps.size());
   return localiser;

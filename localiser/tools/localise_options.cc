@@ -34,6 +34,10 @@ void AddLocaliseOptions(CLI::App& app, LocaliseArguments& arguments) {
   app.add_option("--memory-mb", arguments.memory_mb,
                  "budget of submaps in memory, in 10^6 bytes; 0: all of them")
       ->check(CLI::Range(0.0, 1e9));
+  app.add_option("--search", arguments.search,
+                 "how landmarks are looked for: lists, or FLANN's kd-trees to compare with")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, SearchMethod>{
+          {"lists", SearchMethod::kInvertedLists}, {"kd-trees", SearchMethod::kKdTrees}}));
   app.add_flag("--no-prior", arguments.no_prior, "search the whole map, whatever GNSS says");
   app.add_flag("--verbose", arguments.verbose, "say of each refused image why");
 }

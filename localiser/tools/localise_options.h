@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "localiser/localiser.h"
+
 namespace waymark::localiser {
 
 /// What waymark-localise is told on its command line.
@@ -15,6 +17,7 @@ struct LocaliseArguments {
   std::vector<double> odometry_up{0, 0, 1};
   int threads = 0;
   double memory_mb = 0;  ///< 0: no limit
+  SearchMethod search = SearchMethod::kInvertedLists;
   bool no_prior = false;
   bool verbose = false;
 };

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "localiser/internal/coarse_quantiser.h"
+#include "localiser/internal/kd_tree_search.h"
 #include "mapping/matching/descriptor_matching.h"
 #include "tests/localiser/random_place.h"
 
@@ -106,6 +107,23 @@ TEST_F(LandmarkSearchTest, AFewListsAreEnoughForNearlyAllMatches) {
     });
   }
   EXPECT_GT(static_cast<double>(common), 0.9 * static_cast<double>(expected.size()));
+}
+
+TEST_F(LandmarkSearchTest, KdTreesThatLookEverywhereFindTheSameButForNearTies) {
+  const auto expected = MatchByDefinition(database_, features_, {});
+  const KdTreeSearch everywhere(database_.descriptors, database_.landmarks, {},
+                                {.trees = 1, .checks = -1});
+  const auto found = everywhere.Match(features_).matches;
+  std::size_t common = 0;
+  for (const LandmarkMatch& match : found) {
+    common += std::count_if(expected.begin(), expected.end(), [&](const LandmarkMatch& e) {
+      return e.feature == match.feature && e.landmark == match.landmark;
+    });
+  }
+  EXPECT_GT(static_cast<double>(common), 0.97 * static_cast<double>(expected.size()));
+  EXPECT_GT(static_cast<double>(common), 0.97 * static_cast<double>(found.size()));
+  EXPECT_TRUE(std::ranges::is_sorted(found));
+  EXPECT_TRUE(KdTreeSearch({}, {}, {}).Match(features_).matches.empty());
 }
 
 TEST_F(LandmarkSearchTest, TheSameSeedGivesTheSameMatches) {

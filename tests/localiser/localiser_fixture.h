@@ -14,8 +14,8 @@ inline const Sim3 kMapFromSubmap(1.02, RotationFromVector({0, 0, 0.3}), {100, -4
 /// A release on disk and a place that some of its submaps show.
 class LocaliserTest : public testing::Test {
  protected:
-  std::shared_ptr<const Localiser> Open() {
-    const auto localiser = Localiser::Create(disk_.map(), disk_.release(), {});
+  std::shared_ptr<const Localiser> Open(const LocaliserOptions& options = {}) {
+    const auto localiser = Localiser::Create(disk_.map(), disk_.release(), options);
     CHECK(localiser.ok(), "{}", ToString(localiser.error()));
     return *localiser;
   }

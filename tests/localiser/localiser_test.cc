@@ -54,6 +54,13 @@ TEST_F(LocaliserTest, TheSubmapThatSeesMostWins) {
   EXPECT_EQ(answer.pose->submap, right);
 }
 
+TEST_F(LocaliserTest, KdTreesFindThePlaceToo) {
+  disk_.Add(place_.Model(), kMapFromSubmap);
+  const auto localiser = Open({.search = SearchMethod::kKdTrees});
+  EXPECT_TRUE(localiser->Localise(Request(place_.Viewpoint(0))).pose.has_value());
+  EXPECT_GT(localiser->memory().resident_bytes, 0u);
+}
+
 TEST_F(LocaliserTest, SubmapsThatOverlapAgree) {
   disk_.Add(place_.Model());
   disk_.Add(place_.Model());  // other sightings of the same landmarks
