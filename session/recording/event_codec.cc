@@ -17,10 +17,12 @@ std::uint64_t DigestEffects(std::span<const Effect> effects, TicketNames* ticket
 
 std::string_view KindOf(const Event& event) {
   static constexpr std::array<std::string_view, std::variant_size_v<Event>> kNames{
-      "HelloReceived",       "DeviceLeft",     "Heard",         "PoseReceived",
-      "CommandReceived",     "RoomLoaded",     "WriteFinished", "StoreChanged",
-      "Localised",           "ReleaseSwapped", "Ticked",        "PermitsRevoked",
-      "RoomCommandReceived", "AreaReceived",   "RoomPartLoaded"};
+      "HelloReceived",       "DeviceLeft",      "Heard",
+      "PoseReceived",        "CommandReceived", "RoomLoaded",
+      "WriteFinished",       "StoreChanged",    "Localised",
+      "ReleaseSwapped",      "Ticked",          "PermitsRevoked",
+      "RoomCommandReceived", "AreaReceived",    "RoomPartLoaded",
+      "RulesFound",          "RulesKept"};
   return kNames[event.index()];
 }
 

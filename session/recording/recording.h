@@ -16,7 +16,7 @@
 /// A session as everything that entered its rules. README.md has the format byte by byte.
 namespace waymark::session::recording {
 
-inline constexpr std::uint32_t kFormatVersion = 5;
+inline constexpr std::uint32_t kFormatVersion = 6;
 
 /// What a SessionState begins with.
 struct RecordingHeader {

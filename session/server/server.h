@@ -26,6 +26,8 @@ struct ServerOptions {
   std::string security_folder = {};
   /// Everything that enters the state is written to this file (session/recording); empty: nothing.
   std::string recording_file = {};
+  /// What moderators decide is kept in this file; empty: until the server ends.
+  std::string rules_file = {};
   LocalisePoolOptions localise = {};
   StateOptions state = {};
   RelayOptions relay = {};         ///< to devices on the bus; gateways have their own

@@ -50,8 +50,8 @@ Server::Loop::Loop(const ServerOptions& options, ServerParts parts)
              .placements = std::make_shared<const Placements>(PlacementsOf(parts.served.release)),
              .started_utc_ms = WallNow().time_since_epoch().count() * 1000},
       state_(begin_.options, run_, begin_.map, begin_.placements),
-      store_(std::move(parts.store), parts.served.release, parts.map.origin,
-             std::move(parts.load_release),
+      store_(std::move(parts.store), RulesBook(options.rules_file), parts.served.release,
+             parts.map.origin, std::move(parts.load_release),
              [this](Event event) {
                inbox_.Push({Now(), std::move(event)});
              }),
@@ -66,6 +66,8 @@ Result<void> Server::Loop::Start(const ServerOptions& options) {
   if (!options.recording_file.empty()) {
     WAYMARK_TRY_ASSIGN(recorder_, recording::Recorder::Create(options.recording_file, begin_));
   }
+  WAYMARK_TRY_ASSIGN(RoomRules rules, RulesBook(options.rules_file).Load());
+  Apply(event::RulesFound{std::move(rules)});
   WAYMARK_TRY_ASSIGN(
       bus_, wire::ServerBus::Create(
                 options.BusOptions(), [this](wire::Upward message) { Receive(std::move(message)); },
@@ -238,8 +240,6 @@ void Server::Loop::Apply(const Event& event) {
     std::visit([&](auto& wanted) { Do(std::move(wanted), now); }, effect);
   }
 }
-
-void Server::Loop::Do(effect::LoadRoom wanted, ServerTime) { store_.Submit(std::move(wanted)); }
 
 void Server::Loop::Do(effect::WriteAnchor wanted, ServerTime) {
   ++counters_.anchor_changes;

@@ -2,6 +2,7 @@
 #include "session/server/store_workers.h"
 
 #include <chrono>
+#include <string_view>
 
 #include "session/state/carrying.h"
 
@@ -15,17 +16,19 @@ std::int64_t UtcMilliseconds() {
 }
 
 /// Tasks with equal keys stay in order.
-const std::string& OrderKey(const StoreWorkers::Task& task) {
-  const auto* write = std::get_if<effect::WriteAnchor>(&task);
-  return write != nullptr ? write->record.id.text() : std::get<effect::LoadRoom>(task).room.text();
+std::string_view OrderKey(const StoreWorkers::Task& task) {
+  if (const auto* write = std::get_if<effect::WriteAnchor>(&task)) return write->record.id.text();
+  const auto* load = std::get_if<effect::LoadRoom>(&task);
+  return load != nullptr ? std::string_view(load->room.text()) : "rules";
 }
 
 }  // namespace
 
-StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
-                           const GeoPoint& map_origin, LoadRelease load,
+StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, RulesBook rules,
+                           mapping::Release release, const GeoPoint& map_origin, LoadRelease load,
                            std::function<void(Event)> report)
     : store_(std::move(store)),
+      rules_(std::move(rules)),
       map_plane_(map_origin),
       report_(std::move(report)),
       live_(std::make_shared<const LiveRelease>(std::move(release))),
@@ -37,7 +40,7 @@ StoreWorkers::StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping:
 StoreWorkers::~StoreWorkers() { Finish(); }
 
 void StoreWorkers::Submit(Task task) {
-  Worker& worker = workers_[std::hash<std::string>{}(OrderKey(task)) % kWorkers];
+  Worker& worker = workers_[std::hash<std::string_view>{}(OrderKey(task)) % kWorkers];
   const std::lock_guard lock(mutex_);
   if (is_finishing_) return;
   worker.jobs.push_back({std::move(task), live_});
@@ -102,6 +105,11 @@ Event StoreWorkers::Do(const effect::WriteAnchor& task, const LiveRelease& live)
     conflict.current = in_map(*current);
   }
   return event::WriteFinished{task.write, std::move(conflict)};
+}
+
+Event StoreWorkers::Do(const effect::KeepRules& task, const LiveRelease&) {
+  const Result<void> kept = rules_.Store(task.rules);
+  return event::RulesKept{task.version, kept.ok() ? "" : ToString(kept.error())};
 }
 
 Result<content::WriteOutcome> StoreWorkers::Write(const effect::WriteAnchor& task,

@@ -15,6 +15,7 @@
 #include "mapping/store/release.h"
 #include "session/server/anchor_keeper.h"
 #include "session/server/attachments.h"
+#include "session/server/rules_book.h"
 #include "session/server/store_follower.h"
 #include "session/state/events.h"
 
@@ -26,12 +27,13 @@ namespace waymark::session {
 /// read. Has the store followed and its anchors looked after. Thread-safe.
 class StoreWorkers {
  public:
-  using Task = std::variant<effect::LoadRoom, effect::WriteAnchor>;
+  using Task = std::variant<effect::LoadRoom, effect::WriteAnchor, effect::KeepRules>;
 
-  /// `load` reads earlier releases, see AnchorKeeper. `report` gets RoomLoaded or WriteFinished for
-  /// each task, and StoreChanged for all that changes in the store from now on, on threads of ours.
-  StoreWorkers(std::unique_ptr<content::AnchorStore> store, mapping::Release release,
-               const GeoPoint& map_origin, LoadRelease load, std::function<void(Event)> report);
+  /// `load` reads earlier releases, see AnchorKeeper. `report` gets the answer to each task, and
+  /// StoreChanged for all that changes in the store from now on, on threads of ours.
+  StoreWorkers(std::unique_ptr<content::AnchorStore> store, RulesBook rules,
+               mapping::Release release, const GeoPoint& map_origin, LoadRelease load,
+               std::function<void(Event)> report);
   StoreWorkers(const StoreWorkers&) = delete;
   StoreWorkers& operator=(const StoreWorkers&) = delete;
   ~StoreWorkers();  ///< after Finish
@@ -58,9 +60,11 @@ class StoreWorkers {
   void Work(Worker& worker);
   Event Do(const effect::LoadRoom& task, const LiveRelease& live);
   Event Do(const effect::WriteAnchor& task, const LiveRelease& live);
+  Event Do(const effect::KeepRules& task, const LiveRelease& live);
   Result<content::WriteOutcome> Write(const effect::WriteAnchor& task, const LiveRelease& live);
 
   const std::unique_ptr<content::AnchorStore> store_;
+  const RulesBook rules_;
   const TangentPlane map_plane_;
   const std::function<void(Event)> report_;
   std::mutex mutex_;

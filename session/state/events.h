@@ -11,6 +11,7 @@
 
 #include "content_store/anchor_store.h"
 #include "session/state/messages.h"
+#include "session/state/room_rules.h"
 
 /// What happens to a session, and what it then wants done.
 namespace waymark::session {
@@ -101,16 +102,26 @@ struct ReleaseSwapped {
   std::uint64_t epoch = 1;
   std::shared_ptr<const Placements> placements;  ///< of all its submaps
 };
+/// What had been decided before this session began.
+struct RulesFound {
+  RoomRules rules;
+};
+/// The answer to effect::KeepRules.
+struct RulesKept {
+  std::uint64_t version = 0;
+  std::string failure = {};  ///< why they are not kept; empty: they are
+};
 /// Time has passed; comes kTicksPerFrame times in the period of a frame.
 struct Ticked {};
 
 }  // namespace event
 
-using Event = std::variant<event::HelloReceived, event::DeviceLeft, event::Heard,
-                           event::PoseReceived, event::CommandReceived, event::RoomLoaded,
-                           event::WriteFinished, event::StoreChanged, event::Localised,
-                           event::ReleaseSwapped, event::Ticked, event::PermitsRevoked,
-                           event::RoomCommandReceived, event::AreaReceived, event::RoomPartLoaded>;
+using Event =
+    std::variant<event::HelloReceived, event::DeviceLeft, event::Heard, event::PoseReceived,
+                 event::CommandReceived, event::RoomLoaded, event::WriteFinished,
+                 event::StoreChanged, event::Localised, event::ReleaseSwapped, event::Ticked,
+                 event::PermitsRevoked, event::RoomCommandReceived, event::AreaReceived,
+                 event::RoomPartLoaded, event::RulesFound, event::RulesKept>;
 
 namespace effect {
 
@@ -186,6 +197,12 @@ struct WriteAnchor {
 struct SendReply {
   CommandReply reply;
 };
+/// Keep this in place of what was kept before, so that it outlives the server, and report
+/// event::RulesKept. The next one comes only then.
+struct KeepRules {
+  std::uint64_t version = 0;
+  RoomRules rules;
+};
 /// What a device's owner alone may see: all of it. What it was told before and is not in it is
 /// over.
 struct SendOwn {
@@ -218,6 +235,6 @@ using Effect =
                  effect::PublishPoses, effect::PublishAnchor, effect::WithdrawAnchor,
                  effect::PublishRoomState, effect::PublishMapState, effect::ReportSwap,
                  effect::WriteAnchor, effect::SendReply, effect::SendOwn, effect::SendOwnChange,
-                 effect::TellArea, effect::GoLive>;
+                 effect::TellArea, effect::GoLive, effect::KeepRules>;
 
 }  // namespace waymark::session

@@ -39,13 +39,6 @@ struct RoomMember {
   const std::string& owner() const { return permit.owner.empty() ? device.text() : permit.owner; }
 };
 
-/// A device that a moderator removed from a room.
-struct Ban {
-  ServerTime until;
-  std::string token_id;  ///< that it had come with; empty: none
-  std::string reason;
-};
-
 bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b);
 /// Whether two states of an anchor are the same to people: at most its submaps differ.
 bool LooksTheSame(const content::AnchorRecord& a, const content::AnchorRecord& b);
@@ -93,7 +86,6 @@ struct Room {
   std::vector<DeviceId> poses_due;       ///< some of them may have left since
   std::uint32_t poses_told = 0;          ///< in which tick
   std::set<DeviceId> away;               ///< silent for a while; their seats are kept
-  std::uint32_t capacity = 0;            ///< devices that it holds; set when it is opened
   AnchorSet shared;                      ///< seen by all
   std::map<std::string, AnchorSet> own;  ///< by owner: seen by its devices alone
   AnchorRelay relay;                     ///< knows the shared ones

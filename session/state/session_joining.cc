@@ -52,10 +52,10 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
     returning->permit = event.permit;
     return Seat(*std::move(returning), true, step);
   }
-  if (room.members.size() + room.away.size() >= room.capacity) {
+  const std::uint32_t capacity = CapacityOf(hello.room);
+  if (room.members.size() + room.away.size() >= capacity) {
     Refuse(hello, JoinVerdict::kRefused,
-           fmt::format("room {}: holds its {} devices already", hello.room.text(), room.capacity),
-           step);
+           fmt::format("room {}: holds its {} devices already", hello.room.text(), capacity), step);
     return;
   }
   Seat({.device = hello.device,
@@ -204,7 +204,7 @@ void SessionState::ForgetAbsent(Step& step) {
     room.last_used = step.now;
     away = away_.erase(away);
   }
-  std::erase_if(bans_, [&](const auto& ban) { return ban.second.until <= step.now; });
+  std::erase_if(rules_.bans, [&](const auto& ban) { return ban.second.until <= step.now; });
 }
 
 RoomMember* SessionState::FindKnown(const DeviceId& device) {

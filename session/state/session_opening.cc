@@ -66,7 +66,6 @@ void SessionState::On(const event::RoomLoaded& event, Step& step) {
     return;
   }
   room.is_open = true;
-  room.capacity = static_cast<std::uint32_t>(options_.max_members);
   room.shared.revision = room.followed = *event.revision;
   ShowLoaded(event.room, room, event.anchors, step);
   for (const content::AnchorChange& change : std::exchange(room.early, {})) {

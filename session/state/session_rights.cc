@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may come, as what, and what moderators may do about it.
+// Who may come and as what; what moderators may do about it is in session_moderating.cc.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,14 +9,6 @@
 #include "session/state/session_state.h"
 
 namespace waymark::session {
-namespace {
-
-Ban MakeBan(const RoomMember& member, const std::string& reason, ServerTime until) {
-  return {.until = until, .token_id = member.permit.token_id, .reason = reason};
-}
-
-}  // namespace
-
 std::optional<std::string> SessionState::FindObjection(const event::HelloReceived& event,
                                                        ServerTime now) const {
   if (!event.permit.refusal.empty()) return event.permit.refusal;
@@ -42,7 +34,7 @@ std::optional<std::string> SessionState::FindBan(const event::HelloReceived& eve
                                                  ServerTime now) const {
   const RoomId& room = event.hello.room;
   const std::string& token = event.permit.token_id;
-  for (const auto& [whom, ban] : bans_) {
+  for (const auto& [whom, ban] : rules_.bans) {
     if (whom.first != room || ban.until <= now) continue;
     if (whom.second != event.hello.device && (token.empty() || token != ban.token_id)) continue;
     return fmt::format("removed from room {} by a moderator{}; may come back in {:.0f} s",
@@ -104,69 +96,6 @@ void SessionState::On(const event::PermitsRevoked& event, Step& step) {
     if (is_revoked(away.member)) ended.push_back(device);
   }
   for (const DeviceId& device : ended) SendAway(device, "the token was revoked", step);
-}
-
-void SessionState::On(const event::RoomCommandReceived& event, Step& step) {
-  RoomMember* const member = FindHeard(event.command.ticket, step.now);
-  if (member == nullptr) return;
-  const auto answered = std::find_if(
-      member->answered.begin(), member->answered.end(),
-      [&](const CommandReply& reply) { return reply.request == event.command.request; });
-  if (answered != member->answered.end()) {
-    step.effects.push_back(effect::SendReply{*answered});
-    return;
-  }
-  const CommandVerdict verdict = Moderate(event.command, *member, step);
-  Answer(*member, event.command.request, AnchorId(FormatUuid({})), verdict, step);
-}
-
-CommandVerdict SessionState::Moderate(const RoomCommand& command, RoomMember& member, Step& step) {
-  const std::string& room = member.room.text();
-  if (!MayModerate(member.role())) {
-    return {CommandOutcome::kForbidden,
-            fmt::format("room {}: only a moderator may do that, this device is a {}", room,
-                        RoleName(member.role())),
-            std::nullopt};
-  }
-  switch (command.operation) {
-    case RoomOperation::kRemoveDevice:
-      return RemoveByModerator(command, member, step);
-    case RoomOperation::kReadmitDevice:
-      if (bans_.erase({member.room, command.device}) > 0) return {};
-      return {CommandOutcome::kNotFound,
-              fmt::format("device {}: is not kept out of room {}", command.device.text(), room),
-              std::nullopt};
-    case RoomOperation::kSetCapacity:
-      break;
-  }
-  if (command.capacity < 1 || command.capacity > options_.max_members) {
-    return {CommandOutcome::kInvalid,
-            fmt::format("room {}: expected a capacity in [1, {}], found {}", room,
-                        options_.max_members, command.capacity),
-            std::nullopt};
-  }
-  rooms_.at(member.room).capacity = command.capacity;
-  return {};
-}
-
-CommandVerdict SessionState::RemoveByModerator(const RoomCommand& command,
-                                               const RoomMember& moderator, Step& step) {
-  const RoomMember* const target = FindKnown(command.device);
-  if (target == nullptr || target->room != moderator.room) {
-    return {
-        CommandOutcome::kNotFound,
-        fmt::format("device {}: is not in room {}", command.device.text(), moderator.room.text()),
-        std::nullopt};
-  }
-  if (target->device == moderator.device) {
-    return {CommandOutcome::kInvalid, "a moderator leaves, it does not remove itself",
-            std::nullopt};
-  }
-  bans_.insert_or_assign({target->room, target->device},
-                         MakeBan(*target, command.reason, step.now + options_.ban));
-  SendAway(DeviceId(command.device),
-           "removed by a moderator" + (command.reason.empty() ? "" : ": " + command.reason), step);
-  return {};
 }
 
 }  // namespace waymark::session

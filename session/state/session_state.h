@@ -32,6 +32,7 @@ struct StateOptions {
   std::size_t max_told_anchors = 20'000;   ///< of a room: with more, devices must say which area
   std::size_t max_own_anchors = 1'000;     ///< private ones of an owner in a room
   std::size_t max_writes_per_device = 32;  ///< waiting for the store
+  std::size_t max_rules = 10'000;          ///< bans, and rooms with a capacity of their own
   AnchorRights rights = AnchorRights::kEveryone;
   RoomOpening opening = RoomOpening::kEveryone;
 
@@ -70,6 +71,12 @@ class SessionState {
     AnchorOperation operation;
     content::AnchorRecord intended;
   };
+  /// A moderator's, in force already.
+  struct PendingDecision {
+    std::uint64_t version;  // of the rules, that holds it first
+    DeviceId moderator;
+    Uuid request;
+  };
   /// All rooms on their way to another release.
   struct Carrying {
     std::uint64_t epoch = 1;
@@ -93,6 +100,8 @@ class SessionState {
   void On(const event::PermitsRevoked& event, Step& step);
   void On(const event::RoomCommandReceived& event, Step& step);
   void On(const event::AreaReceived& event, Step& step);
+  void On(const event::RulesFound& event, Step& step);
+  void On(const event::RulesKept& event, Step& step);
 
   std::optional<std::string> FindObjection(const event::HelloReceived& event, ServerTime now) const;
   std::optional<std::string> FindBan(const event::HelloReceived& event, ServerTime now) const;
@@ -109,9 +118,13 @@ class SessionState {
   void SetAway(const DeviceId& device, Step& step);
   std::optional<RoomMember> TakeAway(const DeviceId& device);
   void SendAway(const DeviceId& device, const std::string& reason, Step& step);
-  CommandVerdict Moderate(const RoomCommand& command, RoomMember& member, Step& step);
-  CommandVerdict RemoveByModerator(const RoomCommand& command, const RoomMember& moderator,
-                                   Step& step);
+  std::optional<CommandVerdict> Moderate(const RoomCommand& command, const RoomMember& member,
+                                         Step& step);
+  std::optional<CommandVerdict> RemoveByModerator(const RoomCommand& command,
+                                                  const RoomMember& moderator, Step& step);
+  std::optional<CommandVerdict> SetCapacity(const RoomCommand& command, const RoomId& room);
+  std::uint32_t CapacityOf(const RoomId& room) const;
+  void KeepRules(Step& step);
   void LookAround(Step& step);
   void RemoveSilent(Step& step);
   void EndPermits(Step& step);
@@ -175,7 +188,10 @@ class SessionState {
   };
 
   std::map<DeviceId, AwayMember> away_;
-  std::map<std::pair<RoomId, DeviceId>, Ban> bans_;
+  RoomRules rules_;
+  std::uint64_t rules_version_ = 0;                ///< counts what was decided
+  std::optional<std::uint64_t> rules_being_kept_;  ///< which version, while it is
+  std::vector<PendingDecision> decisions_;         ///< to be answered when they are kept
   std::map<Ticket, DeviceId> tickets_;
   std::map<WriteNumber, PendingWrite> writes_;
   std::uint32_t next_number_ = 1;

@@ -53,6 +53,7 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   WAYMARK_TRY(CheckSecurity(arguments));
   ServerOptions options = arguments.server;
   if (HasDdsCredentials(arguments.security)) options.security_folder = arguments.security;
+  options.rules_file = RulesFile(arguments);
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
   WAYMARK_TRY_ASSIGN(const auto store_lock, LockStore(arguments.store));

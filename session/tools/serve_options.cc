@@ -27,6 +27,9 @@ void AddSecurityOptions(CLI::App& app, ServeArguments& arguments) {
   app.add_option("--room-capacity", arguments.server.state.max_members,
                  "Devices that a room holds at most; moderators may set less")
       ->capture_default_str();
+  app.add_option("--rules", arguments.server.rules_file,
+                 "File in which what moderators decide outlives the server; default: STORE.rules "
+                 "where the store is a file");
   app.add_flag_callback(
       "--only-owners", [&arguments] { arguments.server.state.rights = AnchorRights::kOwner; },
       "Anchors may be moved and deleted by their owner and by moderators alone");
@@ -69,6 +72,12 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
                  "Kept of each 50 m square, the newest")
       ->capture_default_str();
   AddSecurityOptions(app, arguments);
+}
+
+std::string RulesFile(const ServeArguments& arguments) {
+  const std::string& chosen = arguments.server.rules_file;
+  if (!chosen.empty() || content::IsPostgresLocation(arguments.store)) return chosen;
+  return arguments.store + ".rules";
 }
 
 Result<void> CheckSecurity(const ServeArguments& arguments) {

@@ -24,6 +24,9 @@ struct ServeArguments {
 /// Declares the options on the app; the arguments are set when it parses.
 void AddServeOptions(CLI::App& app, ServeArguments& arguments);
 
+/// Where what moderators decide is kept; empty: nowhere.
+std::string RulesFile(const ServeArguments& arguments);
+
 /// A service that others can reach is not left open by oversight.
 Result<void> CheckSecurity(const ServeArguments& arguments);
 

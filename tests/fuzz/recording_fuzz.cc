@@ -23,7 +23,9 @@ std::vector<Bytes> Seeds() {
         session::Event(event::ReleaseSwapped{2, std::make_shared<const session::Placements>(
                                                     session::Placements{{SubmapId("s"), {}}})}),
         session::Event(event::PermitsRevoked{{"t"}, {DeviceId("d")}}),
-        session::Event(event::RoomCommandReceived{})}) {
+        session::Event(event::RoomCommandReceived{}),
+        session::Event(event::RulesFound{{.capacities = {{RoomId("square"), 3}},
+        .bans = {{{RoomId("square"), DeviceId("d")}, {now, "t", "spam"}}}}})}) {
     seeds.push_back(recording::EncodeEvent(one, now, 9));
   }
   return seeds;

@@ -71,7 +71,9 @@ int RunServer(const std::vector<std::string>& words) {
     if (!door.ok()) return Stay(door, "");
     parts.door = *std::move(door);
   }
-  const auto server = Server::Start({.dds_domain = std::atoi(words[1].c_str())}, std::move(parts));
+  const auto server =
+      Server::Start({.dds_domain = std::atoi(words[1].c_str()), .rules_file = words[2] + ".rules"},
+                    std::move(parts));
   return Stay(server, "serving");
 }
 

@@ -28,8 +28,17 @@ class RightsScript : public StateScript {
     HelloAs('A', Role::kMember);
     HelloAs('V', Role::kViewer);
   }
+  /// What comes of it is kept at once.
   void Say(char letter, int request, RoomOperation operation, char target = 'A',
            std::uint32_t capacity = 0) {
+    SayOnly(letter, request, operation, target, capacity);
+    if (None<effect::KeepRules>()) return;
+    const std::vector<Effect> before = effects_;
+    Play(event::RulesKept{Only<effect::KeepRules>().version});
+    effects_.insert(effects_.begin(), before.begin(), before.end());
+  }
+  void SayOnly(char letter, int request, RoomOperation operation, char target = 'A',
+               std::uint32_t capacity = 0) {
     Play(event::RoomCommandReceived{{.ticket = TicketOf(letter),
                                      .request = Request(request),
                                      .operation = operation,

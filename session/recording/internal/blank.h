@@ -2,6 +2,7 @@
 #pragma once
 
 #include <type_traits>
+#include <utility>
 
 #include "mapping/base/id.h"
 
@@ -21,6 +22,11 @@ T Blank(Here, std::type_identity<T>) {
 template <typename Tag>
 Id<Tag> Blank(Here, std::type_identity<Id<Tag>>) {
   return Id<Tag>("");
+}
+
+template <typename A, typename B>
+std::pair<A, B> Blank(Here here, std::type_identity<std::pair<A, B>>) {
+  return {Blank(here, std::type_identity<A>()), Blank(here, std::type_identity<B>())};
 }
 
 }  // namespace waymark::session::recording::internal

@@ -104,6 +104,12 @@ void Visit(Archive& archive, effect::SendReply& value) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, effect::KeepRules& value) {
+  auto& [version, rules] = value;
+  archive(version, rules);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, effect::SendOwn& value) {
   auto& [device, anchors, state] = value;
   archive(device, anchors, state);

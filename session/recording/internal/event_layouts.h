@@ -138,6 +138,18 @@ void Visit(Archive& archive, event::RoomPartLoaded& value) {
 }
 
 template <typename Archive>
+void Visit(Archive& archive, event::RulesFound& value) {
+  auto& [rules] = value;
+  archive(rules);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, event::RulesKept& value) {
+  auto& [version, failure] = value;
+  archive(version, failure);
+}
+
+template <typename Archive>
 void Visit(Archive& archive, event::AreaReceived& value) {
   auto& [report] = value;
   archive(report);

@@ -12,9 +12,9 @@ namespace waymark::session::recording::internal {
 template <typename Archive>
 void Visit(Archive& archive, StateOptions& value) {
   auto& [presence, return_within, ban, room_idle, pose_repeat, clock_error, rooms, members, anchors,
-         told_anchors, own_anchors, writes, rights, opening] = value;
+         told_anchors, own_anchors, writes, rules, rights, opening] = value;
   archive(presence, return_within, ban, room_idle, pose_repeat, clock_error, rooms, members,
-          anchors, told_anchors, own_anchors, writes, rights, opening);
+          anchors, told_anchors, own_anchors, writes, rules, rights, opening);
 }
 
 template <typename Archive>

@@ -3,6 +3,7 @@
 
 #include "session/recording/internal/archive.h"
 #include "session/state/messages.h"
+#include "session/state/room_rules.h"
 
 /// Anchors and messages, as layouts.h says.
 namespace waymark::session::recording::internal {
@@ -171,6 +172,18 @@ template <typename Archive>
 void Visit(Archive& archive, MapState& value) {
   auto& [room, run, swap, epoch, placements] = value;
   archive(room, run, swap, epoch, placements);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, Ban& value) {
+  auto& [until, token_id, reason] = value;
+  archive(until, token_id, reason);
+}
+
+template <typename Archive>
+void Visit(Archive& archive, RoomRules& value) {
+  auto& [capacities, bans] = value;
+  archive(capacities, bans);
 }
 
 template <typename Archive>

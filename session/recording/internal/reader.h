@@ -123,6 +123,10 @@ class Reader {
       items.insert_or_assign(std::move(key), TakeNew<V>());
     }
   }
+  template <typename A, typename B>
+  void Take(std::pair<A, B>& pair) {
+    (*this)(pair.first, pair.second);
+  }
   template <typename T>
   void Take(std::optional<T>& value) {
     bool is_there = false;

@@ -62,8 +62,9 @@ class Server::Loop {
   void GoOver(Prepared next);
   void Deliver(LocaliseAnswer& answer);
   void Apply(const Event& event);
-  void Do(effect::LoadRoom wanted, ServerTime now);
+  void Do(effect::LoadRoom wanted, ServerTime) { store_.Submit(std::move(wanted)); }
   void Do(effect::WriteAnchor wanted, ServerTime now);
+  void Do(effect::KeepRules wanted, ServerTime) { store_.Submit(std::move(wanted)); }
   void Do(effect::GoLive wanted, ServerTime now);
   template <typename Wanted>
   void Do(Wanted wanted, ServerTime now) {
