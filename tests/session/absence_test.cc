@@ -63,6 +63,14 @@ TEST_F(Absence, TheSeatOfWhoIsAwayIsKept) {
   EXPECT_EQ(Answer().verdict, JoinVerdict::kRefused);
   Hello('A');
   EXPECT_EQ(Answer().verdict, JoinVerdict::kAccepted);
+  Play(event::DeviceLeft{Device('A'), false});
+  Wait(milliseconds(60'001));
+  Play(event::Heard{TicketOf('B')});
+  Play(event::Ticked{});
+  Hello('C');
+  EXPECT_EQ(Answer().verdict, JoinVerdict::kAccepted) << "for a minute";
+  Hello('A');
+  EXPECT_EQ(Answer().verdict, JoinVerdict::kRefused);
 }
 
 TEST_F(Absence, WhoIsRemovedWhileAwayMayNotReturn) {
