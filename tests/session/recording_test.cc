@@ -5,8 +5,10 @@
 #include <sys/resource.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <thread>
 
 #include "mapping/base/file.h"
 #include "session/recording/mcap.h"
@@ -28,6 +30,12 @@ Result<ReplayReport> ReplayFile(const std::filesystem::path& path) {
   WAYMARK_TRY_ASSIGN(RecordingReader reader, RecordingReader::Open(path));
   return Replay(reader);
 }
+
+constexpr std::uint64_t EventsOf(std::uint64_t frames) {
+  return 10 + frames * (3 + kTicksPerFrame);
+}
+constexpr int kFrames = 20;
+constexpr std::uint64_t kEvents = EventsOf(kFrames);
 
 /// Plays events that are recorded.
 class Recording : public support::StateScript {
@@ -52,10 +60,12 @@ class Recording : public support::StateScript {
     Play(event);
     recorder_->Write(event, now_, effects_);
   }
-  /// Two devices, an anchor of theirs, poses.
-  static constexpr std::uint64_t kEvents = 68 + 20 * kTicksPerFrame;
-
-  void RecordAnEvening() {
+  /// Two devices, an anchor of theirs, poses in so many frames.
+  void RecordAnEvening(int frames = kFrames) {
+    Record(event::RulesFound{{.capacities = {{RoomId("square"), 12}},
+                              .bans = {{{RoomId("square"), Device('C')},
+                                        {now_ + std::chrono::minutes(1), "t", "spam"}}}}});
+    Record(event::RulesKept{1, "nobody asked"});
     for (const char letter : {'A', 'B'}) {
       Record(event::HelloReceived{{.device = Device(letter),
                                    .room = RoomId("square"),
@@ -75,7 +85,7 @@ class Recording : public support::StateScript {
         {SubmapId("s"),
          Similarity<Map, Submap>(Sim3(1.1, Eigen::Quaterniond(0.8, 0.1, 0.1, 0.2), {4, 5, 6}))}});
     Record(event::ReleaseSwapped{2, placements});
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < frames; ++i) {
       Wait(std::chrono::milliseconds(33));
       for (const char letter : {'A', 'B'}) {
         Record(event::PoseReceived{{.ticket = TicketOf(letter), .pose = MakePose(i / 7.0, 2)}});
@@ -133,21 +143,69 @@ TEST_F(Recording, ADifferenceIsNamed) {
   EXPECT_EQ(report->divergence->kind, "Ticked");
 }
 
+/// Where each record ends, the head's first.
+std::vector<std::size_t> RecordEnds(const std::vector<std::uint8_t>& bytes) {
+  constexpr std::size_t kMagicAndVersion = 12 + 4, kSizeAndChecksum = 4 + 8;
+  std::vector<std::size_t> ends;
+  for (std::size_t at = kMagicAndVersion; at < bytes.size(); ends.push_back(at)) {
+    std::uint32_t size = 0;
+    std::memcpy(&size, bytes.data() + at, sizeof size);
+    at += kSizeAndChecksum + size;
+  }
+  return ends;
+}
+
 TEST_F(Recording, OpensToTheLastWholeEventWhereverItIsCut) {
-  RecordAnEvening();
+  constexpr int kFew = 2;
+  RecordAnEvening(kFew);
   const auto bytes = RecordedBytes();
-  std::uint64_t last = 0;
-  for (std::size_t size = bytes.size() - 400; size <= bytes.size(); ++size) {
+  const std::vector<std::size_t> ends = RecordEnds(bytes);
+  ASSERT_EQ(ends.back(), bytes.size());
+  ASSERT_EQ(ends.size(), 1 + EventsOf(kFew));
+  for (std::size_t size = 0; size <= bytes.size(); ++size) {
     auto reader = RecordingReader::FromBytes({bytes.begin(), bytes.begin() + size});
-    ASSERT_TRUE(reader.ok());
+    ASSERT_EQ(reader.ok(), size >= ends.front()) << size;
+    if (!reader.ok()) {
+      EXPECT_EQ(reader.error().code, ErrorCode::kCorrupt) << size;
+      continue;
+    }
     const auto report = Replay(*reader);
     ASSERT_TRUE(report.ok()) << size;
     EXPECT_FALSE(report->divergence.has_value());
-    EXPECT_GE(report->events, last);
-    last = report->events;
+    const auto whole = std::upper_bound(ends.begin(), ends.end(), size) - 1;
+    EXPECT_EQ(report->events, static_cast<std::uint64_t>(whole - ends.begin())) << size;
+    EXPECT_EQ(report->cut_off, size - *whole) << size;
   }
-  EXPECT_EQ(last, kEvents);
-  EXPECT_FALSE(RecordingReader::FromBytes({bytes.begin(), bytes.begin() + 20}).ok());
+}
+
+TEST_F(Recording, IsLivedAgainOnAnyNumberOfThreadsToTheByte) {
+  RecordAnEvening();
+  const auto bytes = RecordedBytes();
+  // All that the rules want done, and what a player is shown.
+  const auto live_again = [&](const std::filesystem::path& shown) {
+    auto reader = *RecordingReader::FromBytes(bytes);
+    auto mcap = *McapWriter::Create(shown, reader.header());
+    std::vector<std::uint64_t> digests;
+    const auto report =
+        Replay(reader, [&](const RecordedEvent& event, std::span<const Effect> effects) {
+          digests.push_back(DigestEffects(effects));
+          mcap.Add(event, effects);
+        });
+    EXPECT_TRUE(report.ok() && !report->divergence && mcap.Finish().ok());
+    return std::pair(digests, *LoadFile(shown));
+  };
+  const auto alone = live_again(folder_ / "alone.mcap");
+  EXPECT_EQ(alone.first.size(), kEvents);
+  for (const int count : {1, 2, 8}) {
+    std::vector<std::remove_const_t<decltype(alone)>> each(static_cast<std::size_t>(count));
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < each.size(); ++i) {
+      threads.emplace_back(
+          [&, i] { each[i] = live_again(folder_ / fmt::format("{}-{}.mcap", count, i)); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    for (const auto& one : each) EXPECT_EQ(one, alone) << count;
+  }
 }
 
 TEST_F(Recording, DamageIsNamed) {
@@ -254,10 +312,13 @@ TEST_F(Recording, McapHoldsWhatWasShown) {
 
 // ---- live -------------------------------------------------------------------------------------
 
-using LiveRecording = support::SessionTest;
+class LiveRecording : public support::SessionTest {
+ protected:
+  void BeLivedAndLivedAgain();
+};
 
 // anna, ben  join . . anchors . . swap . . ben is lost and returns . . leave, all with losses
-TEST_F(LiveRecording, ALiveSessionIsLivedAgainToTheBit) {
+void LiveRecording::BeLivedAndLivedAgain() {
   options_.recording_file = folder_ / "live.wrec";
   options_.transmit_loss_per_mille = 100;
   device_loss_per_mille_ = 100;
@@ -285,6 +346,14 @@ TEST_F(LiveRecording, ALiveSessionIsLivedAgainToTheBit) {
                                  "ReleaseSwapped", "Localised", "PoseReceived", "Ticked"}) {
     EXPECT_THAT(report->by_kind, Contains(Key(kind)));
   }
+}
+
+TEST_F(LiveRecording, ALiveSessionIsLivedAgainToTheBit) { BeLivedAndLivedAgain(); }
+
+// In which order threads finish is in the recording, and nothing else of them is.
+TEST_F(LiveRecording, SoIsThatOfAServerOfManyThreads) {
+  options_.localise.threads = 8;
+  BeLivedAndLivedAgain();
 }
 
 }  // namespace
