@@ -3,9 +3,11 @@
 #include <filesystem>
 
 #include "mapping/store/map_directory.h"
+#include "session/recording/replay.h"
 #include "session/rehearsal/kept_query.h"
 #include "tests/session/peer.h"
 #include "tests/session/session_fixture.h"
+#include "tests/support/small_disk.h"
 
 namespace waymark::session {
 namespace {
@@ -99,6 +101,56 @@ TEST_F(Serve, GoesOverToWhateverReleaseIsLive) {
   EXPECT_TRUE(Eventually([&] { return anna->DescribeMap().epoch == 1; }));
   EXPECT_EQ(anna->Statistics().joins, 1);
   EXPECT_EQ(server.Terminate(), 0);
+}
+
+/// Its events and how many bytes at its end are none. Every one is lived again.
+Result<recording::ReplayReport> LiveAgain(const std::filesystem::path& file) {
+  WAYMARK_TRY_ASSIGN(auto reader, recording::RecordingReader::Open(file));
+  return recording::Replay(reader);
+}
+
+TEST_F(Serve, GoesOnWhenTheDiskOfItsRecordingIsFull) {
+  MakeEmptyMap();
+  std::filesystem::create_directories(folder_ / "disk");
+  const auto disk = waymark::support::SmallDisk::Mount(folder_ / "disk", 1024 * 1024);
+  if (!disk.ok()) GTEST_SKIP() << disk.error().message;
+  disk->FillUpTo(20'000);
+  std::vector<std::string> recording = Arguments();
+  recording.insert(recording.end(), {"--record", (disk->folder() / "first.wrec").string()});
+  Peer server(recording, WAYMARK_SERVE);
+  ASSERT_THAT(server.line(), StartsWith("ready"));
+  const auto anna = Join("Anna");
+  std::string line;
+  do {
+    line = server.ReadLine();
+  } while (!line.empty() && line.find("ends here") == std::string::npos);
+  EXPECT_THAT(line, AllOf(HasSubstr("first.wrec"), HasSubstr("the session goes on"),
+                          HasSubstr("No space left on device")));
+  const auto ben = Join("Ben");
+  EXPECT_TRUE(Eventually(
+      [&] { return support::Sees(*anna, ben->id()) && support::Sees(*ben, anna->id()); }));
+  EXPECT_EQ(anna->Statistics().joins, 1);
+  EXPECT_EQ(server.Terminate(), 0);
+  for (line = server.ReadLine(); !line.empty(); line = server.ReadLine()) {
+    EXPECT_THAT(line, testing::Not(HasSubstr("ends here"))) << "it was said";
+  }
+  const auto first = LiveAgain(disk->folder() / "first.wrec");
+  ASSERT_TRUE(first.ok()) << ToString(first.error());
+  EXPECT_FALSE(first->divergence.has_value());
+  EXPECT_GT(first->events, 10u);
+  EXPECT_GT(first->by_kind.at("HelloReceived"), 0u) << "Anna came while there was room";
+
+  // Room is made: the next one is whole.
+  disk->MakeRoom();
+  recording.back() = (disk->folder() / "second.wrec").string();
+  Peer next(recording, WAYMARK_SERVE);
+  ASSERT_THAT(next.line(), StartsWith("ready"));
+  EXPECT_TRUE(Eventually([&] { return anna->Statistics().joins == 2; }));
+  EXPECT_EQ(next.Terminate(), 0);
+  const auto second = LiveAgain(disk->folder() / "second.wrec");
+  ASSERT_TRUE(second.ok()) << ToString(second.error());
+  EXPECT_FALSE(second->divergence.has_value());
+  EXPECT_EQ(second->cut_off, 0u);
 }
 
 TEST_F(Serve, SaysWhatIsMissing) {
