@@ -136,5 +136,36 @@ TEST_F(SlowLinkTest, ImagesAreSmallerOnAThinnerLink) {
   EXPECT_LT(anna->Statistics().keyframe_timings.back().image_bytes, on_a_wide_link);
 }
 
+/// The networks of phones, where they cannot be emulated packet by packet too.
+class SlowNetwork : public SlowLinkTest, public testing::WithParamInterface<std::string> {};
+INSTANTIATE_TEST_SUITE_P(Profiles, SlowNetwork, testing::Values("4g", "3g", "crowded"),
+                         [](const auto& tested) { return tested.param; });
+
+// anna (slow)  join . localise . place . . cut . . . . . . . joined: she knows what she missed
+// ben          join . . . . . . . . . sees . she is gone . place . delete . . sees her again
+TEST_P(SlowNetwork, PhonesShareAnchorsAndMakeUpForWhatTheyMissed) {
+  relay_->SetProfile(*FindProfile(GetParam()));
+  const auto anna = Join(Slow("Anna")), ben = Join("Ben");
+  session::support::StandingPhone phone(*anna, {3, 4, 1}), other(*ben, {5, 4, 1});
+  ASSERT_TRUE(phone.Localise());
+  ASSERT_TRUE(other.Localise());
+  const auto hers = anna->PlaceAnchor(session::support::kAhead, "note", "hers");
+  ASSERT_TRUE(hers.ok()) << ToString(hers.error());
+  const auto knows = [](session::DeviceSession& device, const session::SharedAnchor& anchor) {
+    return session::support::FindAnchor(device, anchor.id).has_value();
+  };
+  EXPECT_TRUE(Eventually([&] { return knows(*ben, *hers); }));
+  EXPECT_TRUE(Eventually([&] { return session::support::Sees(*ben, anna->id()); }));
+  relay_->Cut(true);
+  EXPECT_TRUE(Eventually([&] { return !session::support::Sees(*ben, anna->id()); }));
+  const auto missed = ben->PlaceAnchor(session::support::kAhead, "note", "missed");
+  ASSERT_TRUE(missed.ok()) << ToString(missed.error());
+  ASSERT_TRUE(ben->DeleteAnchor(*hers).ok());
+  relay_->Cut(false);
+  EXPECT_TRUE(Eventually([&] { return knows(*anna, *missed) && !knows(*anna, *hers); }));
+  EXPECT_TRUE(Eventually([&] { return session::support::Sees(*ben, anna->id()); }));
+  EXPECT_TRUE(anna->PlaceAnchor(session::support::kAhead, "note", "after").ok());
+}
+
 }  // namespace
 }  // namespace waymark::network

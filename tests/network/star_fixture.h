@@ -15,6 +15,9 @@
 
 namespace waymark::network {
 
+/// How phones reach the server.
+enum class Way { kGateway, kBus };
+
 /// A server and its gateway on one host, phones of this process on others. Skips where networks
 /// cannot be emulated.
 class StarTest : public testing::Test {
@@ -51,7 +54,7 @@ class StarTest : public testing::Test {
     Joined joined = Error{ErrorCode::kUnavailable, ""};
     inside.Run([&] {
       joined =
-          session::DeviceSession::Join({.server = star_->Url(),
+          session::DeviceSession::Join({.server = way_ == Way::kBus ? Star::kAddress : star_->Url(),
                                         .authority_file = star_->Authority(),
                                         .room = RoomId("square"),
                                         .name = name,
@@ -65,6 +68,7 @@ class StarTest : public testing::Test {
     return JoinIn(star_->emulator().Inside(host), name);
   }
 
+  Way way_ = Way::kGateway;
   std::filesystem::path folder_;
   std::unique_ptr<Star> star_;
 };
