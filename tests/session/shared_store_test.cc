@@ -22,6 +22,11 @@ struct Site {
       return support::MakeParts(support::MakeRelease(), *std::move(opened));
     });
     ASSERT_NE(server, nullptr);
+    if (support::UsesGateway()) {
+      auto started = Gateway::Start({.listen = {.port = 0}, .dds = {.domain = options.dds_domain}});
+      ASSERT_TRUE(started) << ToString(started.error());
+      gateway = *std::move(started);
+    }
     auto joined = DeviceSession::Join(PhoneOptions(name));
     ASSERT_TRUE(joined) << ToString(joined.error());
     phone = *std::move(joined);
@@ -29,7 +34,8 @@ struct Site {
     ASSERT_TRUE(standing.Localise());
   }
   DeviceOptions PhoneOptions(const std::string& name) const {
-    return {.dds_domain = options.dds_domain,
+    return {.server = gateway ? fmt::format("ws://127.0.0.1:{}", gateway->port()) : "127.0.0.1",
+            .dds_domain = options.dds_domain,
             .room = kSquare,
             .name = name,
             .keyframe_interval = std::chrono::duration<double>(0.02),
@@ -43,6 +49,7 @@ struct Site {
 
   ServerOptions options{.dds_domain = -1};
   std::unique_ptr<Server> server;
+  std::unique_ptr<Gateway> gateway;  ///< null: the phone comes over DDS
   std::unique_ptr<DeviceSession> phone;
 };
 
@@ -70,6 +77,7 @@ class SharedStore : public testing::TestWithParam<StoreKind> {
   }
   ~SharedStore() override {
     for (Site* site : {&a_, &b_}) site->phone.reset();
+    for (Site* site : {&a_, &b_}) site->gateway.reset();
     for (Site* site : {&a_, &b_}) site->server.reset();
     store_.reset();
     std::filesystem::remove_all(folder_);
