@@ -36,6 +36,32 @@ TEST(RigLinks, JoinAnImageWithTheOtherCameraAroundIt) {
   EXPECT_GE(links[0].sigma_m, 0.005);
 }
 
+TEST(RigLinks, JoinEachOfEightCamerasWithAllOthers) {
+  constexpr int kCameras = 8, kRounds = 4, kPeriodMs = 200;
+  TaskInput input = EmptyInput();
+  for (int round = 0; round < kRounds; ++round) {
+    for (int k = 0; k < kCameras; ++k) {
+      AddImage(input, std::to_string(k), kPeriodMs * round + 23 * k, 0.5 * k);
+    }
+  }
+  // An image has another camera's around it unless that one fires later in the first round or
+  // earlier in the last one.
+  constexpr int kExpected = kCameras * (kCameras - 1) * (kRounds - 1);
+  const auto links = LinkRigs(input);
+  ASSERT_THAT(links, SizeIs(static_cast<std::size_t>(kExpected)));
+  for (const RigLink& link : links) {
+    const auto of = [&](std::uint32_t image) { return static_cast<int>(image) % kCameras; };
+    EXPECT_EQ(of(link.before), of(link.after));
+    EXPECT_EQ(link.after - link.before, static_cast<std::uint32_t>(kCameras));
+    const int later = (of(link.image) - of(link.before) + kCameras) % kCameras;
+    const double since_ms =
+        of(link.image) > of(link.before) ? 23 * later : kPeriodMs - 23 * (kCameras - later);
+    EXPECT_NEAR(link.share, since_ms / kPeriodMs, 1e-9);
+    const double aside_m = 0.5 * (of(link.before) - of(link.image));
+    EXPECT_LT((link.offset_in_camera - Eigen::Vector3d(aside_m, 0, 0)).norm(), 1e-12);
+  }
+}
+
 TEST(RigLinks, BridgeNoLongPause) {
   TaskInput input = EmptyInput();
   AddImage(input, "left", 0, -0.5);

@@ -116,5 +116,67 @@ TEST(Rig, RefusesLinksOfImagesThatAreNotThere) {
   EXPECT_EQ(drive.Reconstruct(links).error().code, ErrorCode::kInvalidArgument);
 }
 
+/// Eight cameras across a vehicle, turned against each other by 0.1 rad, that fire in turn.
+class EightCameras {
+ public:
+  static constexpr std::uint32_t kCount = 8;
+
+  std::vector<Rigid3> Drive(std::uint32_t images) const {
+    std::vector<Rigid3> walk;
+    for (std::uint32_t i = 0; i < images; ++i) {
+      walk.push_back(PlaceCamera({SideM(i), 2 + 0.15 * i, 1.7}, 0.1 * (i % kCount) - 0.35));
+    }
+    return walk;
+  }
+
+  /// Each image against the camera that fires half a turn before and after it.
+  std::vector<RigLink> Link(const std::vector<Rigid3>& walk) const {
+    constexpr std::uint32_t kHalf = kCount / 2;
+    std::vector<RigLink> links;
+    for (std::uint32_t i = kHalf; i + kHalf < walk.size(); ++i) {
+      const Eigen::Vector3d aside(SideM(i + kHalf) - SideM(i), 0, 0);
+      links.push_back({.image = i,
+                       .before = i - kHalf,
+                       .after = i + kHalf,
+                       .share = 0.5,
+                       .offset_in_camera = walk[i].rotation().conjugate() * aside});
+    }
+    return links;
+  }
+
+ private:
+  static double SideM(std::uint32_t image) { return 0.2 * (image % kCount) - 0.7; }
+};
+
+TEST(Rig, EightCamerasThatFireInTurnAreOneMetricModel) {
+  const EightCameras rig;
+  const std::vector<Rigid3> walk = rig.Drive(32);
+  const CaptureOptions options{.pixel_sigma_px = 0.4, .gravity_sigma_rad = 0.01};
+  const Capture capture = CaptureWalk(MakeStreet({.points = 500}), TestCamera(), walk, options);
+  const std::vector<SfmCamera> cameras(EightCameras::kCount, SfmCamera{capture.camera});
+  std::vector<SfmImage> images = capture.Images();
+  for (std::uint32_t i = 0; i < images.size(); ++i) images[i].camera = i % EightCameras::kCount;
+  const auto result = ReconstructIncrementally(cameras, images, MatchCapture(capture, 30, options),
+                                               {.parallelism = {1}}, {}, rig.Link(walk));
+  ASSERT_TRUE(result.ok());
+  std::vector<Eigen::Vector3d> from, to;
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    ASSERT_TRUE(result->images[i].submap_from_camera.has_value()) << i;
+    from.push_back(walk[i].translation());
+    to.push_back(result->images[i].submap_from_camera->translation());
+  }
+  const auto submap_from_world = EstimateSimilarity(from, to);
+  ASSERT_TRUE(submap_from_world.ok());
+  EXPECT_NEAR(submap_from_world->scale(), 1, 0.01);
+  for (std::size_t i = 0; i < walk.size(); ++i) {
+    EXPECT_LT((*submap_from_world * from[i] - to[i]).norm(), 0.03) << i;
+    EXPECT_LT(AngleBetween(submap_from_world->rotation() * walk[i].rotation(),
+                           result->images[i].submap_from_camera->rotation())
+                  .radians(),
+              0.004)
+        << i;
+  }
+}
+
 }  // namespace
 }  // namespace waymark::mapping
