@@ -134,7 +134,7 @@ TEST_F(SessionFailure, APausedDeviceComesBackAsItself) {
 
 // The same app, halted for longer than a seat is kept.
 TEST_F(SessionFailure, ADeviceThatPausesForTooLongComesBackAsANewcomer) {
-  options_.state.return_within = std::chrono::milliseconds(500);
+  options_.state.return_within = std::chrono::milliseconds(1);
   options_.state.max_members = 2;
   StartServer();
   const auto anna = Join("Anna");
@@ -155,11 +155,7 @@ TEST_F(SessionFailure, ADeviceThatPausesForTooLongComesBackAsANewcomer) {
   EXPECT_TRUE(Eventually([&] { return ben.Ask("?").find("holds its 2") != std::string::npos; }));
   cleo.reset();
   EXPECT_TRUE(Eventually([&] { return Sees(*anna, ben_id); }));
-  EXPECT_TRUE(Eventually([&] {
-    const std::string standing = ben.Ask("?");
-    return !standing.starts_with("returns=0 joins=1 ") &&
-           standing.find(" others=1 ") != std::string::npos;
-  })) << ben.Ask("?");
+  EXPECT_TRUE(Eventually([&] { return ben.Ask("?").find(" in=yes ") != std::string::npos; }));
   EXPECT_THAT(ben.Ask("?"), testing::StartsWith("returns=0 "));
 }
 
