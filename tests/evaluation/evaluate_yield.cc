@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,12 @@ namespace waymark::evaluation {
 namespace {
 
 namespace fs = std::filesystem;
+
+const std::map<std::string, PictureFault> kFaults{{"glare", PictureFault::kGlare},
+                                                  {"hang", PictureFault::kHang},
+                                                  {"order", PictureFault::kWrongOrder},
+                                                  {"mixed", PictureFault::kMixedUp},
+                                                  {"late", PictureFault::kLate}};
 
 struct Arguments {
   std::string city;
@@ -93,9 +100,11 @@ Result<void> Evaluate(const Arguments& arguments) {
 
 int Run(int argc, char** argv) {
   CLI::App app(
-      "Adds the drives of a simulated city to a map one by one, each with stretches where cameras\n"
-      "are blinded, hang or mix up their pictures, and prints how much of the streets is in the\n"
-      "map after one pass, two, …: the table of yield of Platinsky et al. 2020.");
+      "Adds the drives of a simulated city to a map one by one, each with stretches where "
+      "something\n"
+      "is wrong with its pictures, and prints how much of the streets is in the map after one "
+      "pass,\n"
+      "two, …: the table of yield of Platinsky et al. 2020.");
   app.footer(
       "A city:  waymark-simulate city --out CITY --experience day --experience overcast "
       "--experience evening --experience night\n"
@@ -110,6 +119,11 @@ int Run(int argc, char** argv) {
   app.add_option("--stretch", arguments.plan.stretch, "of a drive that one fault lasts")
       ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
+  app.add_option("--fault", arguments.plan.faults,
+                 "what goes wrong, repeatable, in turn: glare, hang (one picture again and again), "
+                 "order (last first), mixed (each with the time of any other), late (each with the "
+                 "time of one a third of the stretch later); default: glare, hang, order")
+      ->transform(CLI::CheckedTransformer(kFaults));
   app.add_option("--seed", arguments.plan.seed, "of where and what")->capture_default_str();
   app.add_option("--subset-radius", arguments.subset_radius_m, "of a submap, metres")
       ->capture_default_str();

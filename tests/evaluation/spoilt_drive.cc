@@ -4,8 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgcodecs.hpp>
@@ -20,11 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Fault { kNone, kGlare, kHang, kWrongOrder };
+using Fault = std::optional<PictureFault>;
 
 /// What happens at each moment of the drive.
 std::vector<Fault> PlanFaults(std::size_t moments, const SpoilPlan& plan, std::mt19937_64& random) {
-  std::vector<Fault> faults(moments, Fault::kNone);
+  std::vector<Fault> faults(moments);
   const auto length = std::max<std::size_t>(
       2, static_cast<std::size_t>(std::lround(plan.stretch * static_cast<double>(moments))));
   const auto stretches = static_cast<std::size_t>(
@@ -34,7 +38,7 @@ std::vector<Fault> PlanFaults(std::size_t moments, const SpoilPlan& plan, std::m
   std::shuffle(slots.begin(), slots.end(), random);
   for (std::size_t i = 0; i < std::min(stretches, slots.size()); ++i) {
     const auto begin = faults.begin() + static_cast<std::ptrdiff_t>(slots[i] * length);
-    std::fill_n(begin, length, static_cast<Fault>(1 + i % 3));
+    std::fill_n(begin, length, Fault(plan.faults[i % plan.faults.size()]));
   }
   return faults;
 }
@@ -54,38 +58,57 @@ Result<void> StoreGlare(const fs::path& from, const fs::path& to) {
 /// The pictures of one camera.
 class Reel {
  public:
-  explicit Reel(std::vector<const mapping::ImageRecord*> records) : records_(std::move(records)) {}
+  Reel(std::vector<const mapping::ImageRecord*> records, const std::map<SensorTime, Fault>& faults,
+       std::mt19937_64 random)
+      : records_(std::move(records)), shown_(records_.size()) {
+    for (const mapping::ImageRecord* record : records_) faults_.push_back(faults.at(record->time));
+    std::iota(shown_.begin(), shown_.end(), std::size_t{0});
+    for (std::size_t begin = 0, end = 0; begin < records_.size(); begin = end) {
+      while (end < records_.size() && faults_[end] == faults_[begin]) ++end;
+      if (faults_[begin]) Rearrange(*faults_[begin], begin, end, random);
+    }
+  }
 
   /// Returns how many pictures are not what they say.
-  Result<std::size_t> Store(const mapping::Experience& drive, const fs::path& to,
-                            const std::map<SensorTime, Fault>& faults) const {
+  Result<std::size_t> Store(const mapping::Experience& drive, const fs::path& to) const {
     std::size_t spoilt = 0;
     for (std::size_t i = 0; i < records_.size(); ++i) {
-      const Fault fault = faults.at(records_[i]->time);
       const fs::path path = to / "sensors/records_data" / records_[i]->name;
       WAYMARK_TRY(CreateFolders(path.parent_path()));
-      spoilt += fault != Fault::kNone;
-      if (fault == Fault::kGlare) {
+      spoilt += faults_[i].has_value();
+      if (faults_[i] == PictureFault::kGlare) {
         WAYMARK_TRY(StoreGlare(drive.ImagePath(*records_[i]), path));
       } else {
-        WAYMARK_TRY(LinkFile(drive.ImagePath(*records_[Shown(i, faults)]), path));
+        WAYMARK_TRY(LinkFile(drive.ImagePath(*records_[shown_[i]]), path));
       }
     }
     return spoilt;
   }
 
  private:
-  /// The picture that is stored in place of this one.
-  std::size_t Shown(std::size_t at, const std::map<SensorTime, Fault>& faults) const {
-    const Fault fault = faults.at(records_[at]->time);
-    if (fault == Fault::kNone) return at;
-    std::size_t first = at, last = at;
-    while (first > 0 && faults.at(records_[first - 1]->time) == fault) --first;
-    while (last + 1 < records_.size() && faults.at(records_[last + 1]->time) == fault) ++last;
-    return fault == Fault::kHang ? first : first + last - at;
+  void Rearrange(PictureFault fault, std::size_t begin, std::size_t end, std::mt19937_64& random) {
+    const std::span<std::size_t> shown = std::span(shown_).subspan(begin, end - begin);
+    switch (fault) {
+      case PictureFault::kGlare:
+        break;
+      case PictureFault::kHang:
+        std::ranges::fill(shown, begin);
+        break;
+      case PictureFault::kWrongOrder:
+        std::ranges::reverse(shown);
+        break;
+      case PictureFault::kMixedUp:
+        std::ranges::shuffle(shown, random);
+        break;
+      case PictureFault::kLate:
+        for (std::size_t& index : shown) index -= std::min(index, shown.size() / 3);
+        break;
+    }
   }
 
   std::vector<const mapping::ImageRecord*> records_;
+  std::vector<Fault> faults_;       // by record
+  std::vector<std::size_t> shown_;  // by record: whose picture is stored
 };
 
 }  // namespace
@@ -102,7 +125,7 @@ Result<SpoiltDrive> StoreSpoiltDrive(const fs::path& from, const fs::path& to,
   std::map<SensorTime, Fault> faults;
   std::map<std::string, std::vector<const mapping::ImageRecord*>> reels;
   for (const mapping::ImageRecord& image : drive.images) {
-    faults.emplace(image.time, Fault::kNone);
+    faults.emplace(image.time, std::nullopt);
     reels[image.camera].push_back(&image);
   }
   std::mt19937_64 random(plan.seed);
@@ -111,7 +134,7 @@ Result<SpoiltDrive> StoreSpoiltDrive(const fs::path& from, const fs::path& to,
   for (auto& [time, fault] : faults) fault = *next++;
   SpoiltDrive spoilt{.images = drive.images.size()};
   for (const auto& [camera, records] : reels) {
-    WAYMARK_TRY_ASSIGN(const std::size_t count, Reel(records).Store(drive, to, faults));
+    WAYMARK_TRY_ASSIGN(const std::size_t count, Reel(records, faults, random).Store(drive, to));
     spoilt.spoilt += count;
   }
   return spoilt;
