@@ -11,6 +11,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "session/dds/internal/access_control.h"
+#include "session/dds/internal/cyclone_log.h"
 #include "session/dds/internal/qos.h"
 
 namespace waymark::session::dds {
@@ -116,10 +118,12 @@ Result<std::pair<Entity, dds_domainid_t>> CreateDomain(const std::string& xml, i
                                                        bool is_secure) {
   const dds_domainid_t first = is_secure ? 0 : 1000;
   const dds_domainid_t count = is_secure ? 231 : 4096;
+  internal::RouteCycloneLog();
   for (dds_domainid_t id = first; id < first + count; ++id) {
     const dds_entity_t handle = dds_create_domain(id, xml.c_str());
     if (handle == DDS_RETCODE_PRECONDITION_NOT_MET) continue;  // taken
     WAYMARK_TRY_ASSIGN(Entity domain, Entity::Adopt(handle, fmt::format("domain {}", wire_domain)));
+    internal::NameDomainInLog(wire_domain);
     return std::pair(std::move(domain), id);
   }
   return MakeError(ErrorCode::kUnavailable, "domain {}: the process already holds {} domains",
@@ -127,23 +131,29 @@ Result<std::pair<Entity, dds_domainid_t>> CreateDomain(const std::string& xml, i
 }
 
 /// The plug-ins are those of Debian's Cyclone; the files are as session/keys names them.
-internal::Qos SecurityQos(const std::string& folder) {
+internal::Qos SecurityQos(const std::string& folder, bool is_guarded) {
   internal::Qos qos(dds_create_qos());
   const auto set = [&](const std::string& name, const std::string& value) {
     dds_qset_prop(qos.get(), ("dds.sec." + name).c_str(), value.c_str());
   };
-  const auto set_library = [&](const std::string& kind, const std::string& name,
-                               const std::string& what) {
-    set(kind + ".library.path", "dds_security_" + name);
-    set(kind + ".library.init", "init_" + what);
-    set(kind + ".library.finalize", "finalize_" + what);
+  const auto set_library = [&](const std::string& kind, const std::string& path,
+                               const std::string& init, const std::string& finalize) {
+    set(kind + ".library.path", path);
+    set(kind + ".library.init", init);
+    set(kind + ".library.finalize", finalize);
   };
   const auto set_file = [&](const std::string& name, const std::string& file) {
     set(name, "file:" + folder + "/" + file);
   };
-  set_library("auth", "auth", "authentication");
-  set_library("crypto", "crypto", "crypto");
-  set_library("access", "ac", "access_control");
+  set_library("auth", "dds_security_auth", "init_authentication", "finalize_authentication");
+  set_library("crypto", "dds_security_crypto", "init_crypto", "finalize_crypto");
+  if (is_guarded) {
+    using internal::AccessControl;
+    set_library("access", AccessControl::kLibraryPath, AccessControl::kInit,
+                AccessControl::kFinalize);
+  } else {
+    set_library("access", "dds_security_ac", "init_access_control", "finalize_access_control");
+  }
   set_file("auth.identity_ca", "identity_ca.pem");
   set_file("auth.identity_certificate", "certificate.pem");
   set_file("auth.private_key", "key.pem");
@@ -176,6 +186,9 @@ Result<void> ParticipantOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "transmit loss: expected [0, 999], found {}",
                      transmit_loss_per_mille);
   }
+  if (guard && security_folder.empty()) {
+    return MakeError(ErrorCode::kInvalidArgument, "guard: expected a security folder beside it");
+  }
   return {};
 }
 
@@ -194,13 +207,19 @@ Result<Participant> Participant::Create(const ParticipantOptions& options) {
   const bool is_secure = !options.security_folder.empty();
   if (is_secure) WAYMARK_TRY(CheckSecurityFolder(options.security_folder));
   WAYMARK_TRY_ASSIGN(auto domain, CreateDomain(xml, options.domain, is_secure));
-  const auto qos = is_secure ? SecurityQos(options.security_folder) : nullptr;
+  const auto qos =
+      is_secure ? SecurityQos(options.security_folder, options.guard != nullptr) : nullptr;
+  const internal::AccessControl::Scope scope(options.guard ? options.guard->access_control_
+                                                           : nullptr);
   const dds_entity_t handle = dds_create_participant(domain.second, qos.get(), nullptr);
   WAYMARK_TRY_ASSIGN(
       Entity participant,
       Entity::Adopt(handle, is_secure ? fmt::format("DDS domain {} with the credentials of {}",
                                                     options.domain, options.security_folder)
                                       : fmt::format("DDS domain {}", options.domain)));
+  if (options.guard) {
+    options.guard->access_control_->strangers().WatchFrom(participant.handle());
+  }
   return Participant(std::move(domain.first), std::move(participant));
 }
 

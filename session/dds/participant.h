@@ -7,6 +7,7 @@
 
 #include "mapping/base/result.h"
 #include "session/dds/entity.h"
+#include "session/dds/guard.h"
 
 namespace waymark::session::dds {
 
@@ -22,6 +23,7 @@ struct ParticipantOptions {
   /// Folder of what DDS Security needs (session/keys): certificate.pem, key.pem, identity_ca.pem,
   /// permissions_ca.pem, governance.p7s, permissions.p7s. Empty: neither encrypted nor checked.
   std::string security_folder = {};
+  Guard* guard = nullptr;           ///< of one with a security folder; null: nobody is revoked
   int transmit_loss_per_mille = 0;  ///< own packets thrown away, [0, 999]; for tests of bad links
   std::size_t max_sample_bytes = 6 * 1024 * 1024;  ///< larger ones are dropped unread
 

@@ -45,8 +45,8 @@ class Authority {
   };
   Result<std::filesystem::path> Issue(const Request& request) const;
 
-  /// `what` is "token", "device" or "key". Known to the servers and gateways below DIR/issued at
-  /// once; others need the new list.
+  /// `what` is "token", "device", "key" or "gateway". Known to the servers and gateways below
+  /// DIR/issued at once; others need the new list.
   Result<void> Revoke(std::string_view what, std::string_view id) const;
 
  private:

@@ -7,6 +7,7 @@
 #include <openssl/x509v3.h>
 
 #include "session/keys/internal/openssl.h"
+#include "session/state/uuid.h"
 
 namespace waymark::session::keys {
 namespace {
@@ -139,6 +140,22 @@ Result<std::string> CertificateAuthority::SignDocument(std::string_view text) co
     return Failed("signature");
   }
   return TextOf(*out);
+}
+
+CertificateFacts ReadCertificate(std::string_view certificate_pem) {
+  const BioPtr bio = ReadFrom(certificate_pem);
+  const SharedCertificate certificate(::PEM_read_bio_X509(bio.get(), nullptr, nullptr, nullptr),
+                                      Freer<X509_free>());
+  if (!certificate) return (void)TakeReason(), CertificateFacts{};
+  std::tm end{};
+  const X509_NAME& subject = *::X509_get_subject_name(certificate.get());
+  const int at = ::X509_NAME_get_index_by_NID(&subject, NID_commonName, -1);
+  if (at < 0 || ::ASN1_TIME_to_tm(::X509_get0_notAfter(certificate.get()), &end) != 1) return {};
+  const ASN1_STRING* const text = ::X509_NAME_ENTRY_get_data(::X509_NAME_get_entry(&subject, at));
+  std::string name(reinterpret_cast<const char*>(::ASN1_STRING_get0_data(text)),
+                   static_cast<std::size_t>(::ASN1_STRING_length(text)));
+  if (const auto uuid = FindUuid(name)) name = FormatUuid(*uuid);
+  return {.name = std::move(name), .until = WallTime(std::chrono::seconds(::timegm(&end)))};
 }
 
 }  // namespace waymark::session::keys

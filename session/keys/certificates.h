@@ -49,4 +49,12 @@ class CertificateAuthority {
   std::shared_ptr<x509_st> certificate_;
 };
 
+/// Whom a certificate is for and when it ends. The name is its subject's common name, a device's as
+/// FormatUuid writes it; empty when it has none or is no certificate.
+struct CertificateFacts {
+  std::string name;
+  WallTime until{};
+};
+CertificateFacts ReadCertificate(std::string_view certificate_pem);
+
 }  // namespace waymark::session::keys

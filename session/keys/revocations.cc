@@ -19,16 +19,25 @@ Result<void> AddLine(std::string_view line, int number, Revocations& revocations
     revocations.tokens.insert(id);
   } else if (what == "key" && !id.empty()) {
     revocations.keys.insert(id);
+  } else if (what == "gateway" && !id.empty()) {
+    revocations.gateways.insert(id);
   } else if (what == "device" && uuid) {
     revocations.devices.insert(DeviceId(FormatUuid(*uuid)));
   } else {
     return MakeError(ErrorCode::kInvalidArgument,
-                     "line {}: expected `token ID`, `device UUID` or `key ID`", number);
+                     "line {}: expected `token ID`, `device UUID`, `key ID` or `gateway NAME`",
+                     number);
   }
   return {};
 }
 
 }  // namespace
+
+std::set<std::string> Revocations::Names() const {
+  std::set<std::string> names = gateways;
+  for (const DeviceId& device : devices) names.insert(device.text());
+  return names;
+}
 
 Result<Revocations> ParseRevocations(std::string_view text) {
   Revocations revocations;

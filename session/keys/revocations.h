@@ -11,12 +11,16 @@
 
 namespace waymark::session::keys {
 
-/// What counts no more. As a text file: one `token ID`, `device UUID` or `key ID` a line; empty
-/// lines and those that begin with # mean nothing.
+/// What counts no more. As a text file: one `token ID`, `device UUID`, `key ID` or `gateway NAME`
+/// a line; empty lines and those that begin with # mean nothing.
 struct Revocations {
   std::set<std::string> tokens;
   std::set<DeviceId> devices;
   std::set<std::string> keys;
+  std::set<std::string> gateways = {};
+
+  /// Whose certificates count no more, as ReadCertificate names them.
+  std::set<std::string> Names() const;
 
   friend bool operator==(const Revocations&, const Revocations&) = default;
 };

@@ -69,11 +69,16 @@ std::optional<event::PermitsRevoked> TokenDoor::Refresh() {
     return std::nullopt;
   }
   books_ = *std::move(books);
-  LogInfo("{}: {} token keys; {} tokens, {} devices and {} keys revoked", options_.folder.string(),
-          books_.keys.size(), books_.revocations.tokens.size(), books_.revocations.devices.size(),
-          books_.revocations.keys.size());
-  return event::PermitsRevoked{books_.revocations.tokens, books_.revocations.devices,
-                               books_.revocations.keys};
+  const Revocations& revoked = books_.revocations;
+  LogInfo("{}: {} token keys; {} tokens, {} devices, {} keys and {} gateways revoked",
+          options_.folder.string(), books_.keys.size(), revoked.tokens.size(),
+          revoked.devices.size(), revoked.keys.size(), revoked.gateways.size());
+  return event::PermitsRevoked{revoked.tokens, revoked.devices, revoked.keys};
+}
+
+std::set<std::string> TokenDoor::RevokedNames() {
+  const std::lock_guard lock(mutex_);
+  return books_.revocations.Names();
 }
 
 event::Permit TokenDoor::Check(const Hello& hello, WallTime wall_now, ServerTime now) {

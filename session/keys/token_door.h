@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "session/keys/revocations.h"
@@ -32,6 +33,9 @@ class TokenDoor {
   /// Reads keys and revocations again if they have changed; nothing when they have not. To be
   /// called now and then. What cannot be read is logged, and what was known stays.
   std::optional<event::PermitsRevoked> Refresh();
+
+  /// Whose certificates count no more, see ReadCertificate.
+  std::set<std::string> RevokedNames();
 
  private:
   explicit TokenDoor(const TokenDoorOptions& options) : options_(options) {}

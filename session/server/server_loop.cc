@@ -4,6 +4,8 @@
 #include <random>
 #include <utility>
 
+#include "mapping/base/log.h"
+#include "session/keys/certificates.h"
 #include "session/keys/owner.h"
 #include "session/server/attachments.h"
 
@@ -26,6 +28,11 @@ keys::WallTime WallNow() {
 std::uint64_t RandomBits() {
   std::random_device device;
   return std::uint64_t{device()} << 32 | device();
+}
+
+dds::Guard::Identity IdentityOf(std::string_view certificate_pem) {
+  keys::CertificateFacts facts = keys::ReadCertificate(certificate_pem);
+  return {.name = std::move(facts.name), .until = facts.until};
 }
 
 std::size_t WeightOf(const wire::Upward& message) {
@@ -68,9 +75,15 @@ Result<void> Server::Loop::Start(const ServerOptions& options) {
   }
   WAYMARK_TRY_ASSIGN(RoomRules rules, RulesBook(options.rules_file).Load());
   Apply(event::RulesFound{std::move(rules)});
+  dds::ParticipantOptions bus = options.BusOptions();
+  if (!options.security_folder.empty()) {
+    guard_ = std::make_unique<dds::Guard>(&IdentityOf);
+    if (door_) guard_->Refuse(door_->RevokedNames());
+    bus.guard = guard_.get();
+  }
   WAYMARK_TRY_ASSIGN(
       bus_, wire::ServerBus::Create(
-                options.BusOptions(), [this](wire::Upward message) { Receive(std::move(message)); },
+                bus, [this](wire::Upward message) { Receive(std::move(message)); },
                 [this](GatewayReport report) { Receive(std::move(report)); }));
   publisher_.emplace(*bus_, options.relay, counters_, Now);
   thread_ = std::thread([this] { Work(); });
@@ -216,12 +229,22 @@ void Server::Loop::On(LocaliseQuery query, ServerTime) {
   pool_.Submit(member->device, std::move(query));
 }
 
-/// Who was let in and is revoked since goes at once.
+/// Who was let in and is revoked since goes at once. Its connection to DDS ends a look later, so
+/// that it hears why.
 void Server::Loop::LookAtDoor() {
   const auto now = std::chrono::steady_clock::now();
-  if (!door_ || now - door_seen_ < kDoorInterval) return;
+  if (now - door_seen_ < kDoorInterval) return;
   door_seen_ = now;
-  if (auto revoked = door_->Refresh()) Apply(*std::move(revoked));
+  if (guard_) {
+    guard_->TellOfStrangers();
+    for (const std::string& name : guard_->PutOut()) {
+      LogWarning("{}: was revoked, its connection to DDS ends", name);
+    }
+  }
+  auto revoked = door_ ? door_->Refresh() : std::nullopt;
+  if (!revoked) return;
+  if (guard_) guard_->Refuse(door_->RevokedNames());
+  Apply(*std::move(revoked));
 }
 
 void Server::Loop::Deliver(LocaliseAnswer& answer) {

@@ -84,6 +84,7 @@ class Server::Loop {
   LocalisePool pool_;
   const Role open_role_;
   const std::unique_ptr<keys::TokenDoor> door_;      // null: everybody may come
+  std::unique_ptr<dds::Guard> guard_;                // null: DDS is open
   std::chrono::steady_clock::time_point door_seen_;  // owned by the loop
   std::unique_ptr<recording::Recorder> recorder_;    // null: nothing is recorded
   std::unique_ptr<wire::ServerBus> bus_;
