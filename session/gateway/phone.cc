@@ -17,15 +17,6 @@ constexpr int kMaxRejected = 20;  // a broken client is told so, a hostile one i
 
 }  // namespace
 
-bool Allowance::Take(double amount, std::chrono::steady_clock::time_point now) {
-  const double elapsed_s = std::chrono::duration<double>(now - filled_).count();
-  left_ = std::min(2 * per_s_, left_ + per_s_ * std::max(0.0, elapsed_s));
-  filled_ = now;
-  if (left_ < amount) return false;
-  left_ -= amount;
-  return true;
-}
-
 Phone::Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
              GatewayTally& tally, wire::GatewayLine& line, Calls calls)
     : channel_(std::move(channel)),

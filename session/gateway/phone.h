@@ -9,24 +9,12 @@
 #include <optional>
 
 #include "session/gateway/gateway.h"
+#include "session/wire/allowance.h"
 #include "session/wire/gateway_line.h"
 #include "session/wire/parts.h"
 #include "session/wire/room_line.h"
 
 namespace waymark::session::internal {
-
-/// How much a phone may say: a bucket that fills at a rate and holds two seconds of it.
-class Allowance {
- public:
-  explicit Allowance(double per_s) : per_s_(per_s), left_(2 * per_s) {}
-
-  bool Take(double amount, std::chrono::steady_clock::time_point now);
-
- private:
-  double per_s_;
-  double left_;
-  std::chrono::steady_clock::time_point filled_ = std::chrono::steady_clock::now();
-};
 
 struct GatewayTally {
   std::atomic<std::uint64_t> phones = 0, returns = 0, refused = 0, frames = 0, rejected = 0,
@@ -106,7 +94,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   GatewayTally& tally_;
   wire::GatewayLine& line_;
   const Calls calls_;
-  Allowance messages_, bytes_;
+  wire::Allowance messages_, bytes_;
   wire::PartCollector parts_{socket::kMaxFrameBytes};
   int rejected_ = 0;
   bool has_left_ = false;
@@ -120,7 +108,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::shared_ptr<Room> room_;
   Ticket ticket_{};
   Stance stance_;
-  Allowance areas_{1 / Seconds(kMinAreaInterval)};
+  wire::Allowance areas_{1 / Seconds(kMinAreaInterval)};
 };
 
 }  // namespace waymark::session::internal

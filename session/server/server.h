@@ -14,6 +14,7 @@
 #include "session/server/localise_pool.h"
 #include "session/state/pose_relay.h"
 #include "session/state/session_state.h"
+#include "session/wire/shares.h"
 
 namespace waymark::session {
 
@@ -30,6 +31,7 @@ struct ServerOptions {
   std::string rules_file = {};
   LocalisePoolOptions localise = {};
   StateOptions state = {};
+  wire::ShareOptions share = {};   ///< of a device on the bus; gateways see to their phones
   RelayOptions relay = {};         ///< to devices on the bus; gateways have their own
   Role open_role = Role::kMember;  ///< of all who come, where no tokens are asked for
 
@@ -66,9 +68,10 @@ struct ServerCounters {
   std::uint64_t busy = 0;
   std::uint64_t anchor_commands = 0;
   std::uint64_t anchor_changes = 0;
-  std::uint64_t swaps = 0;              ///< of the release
-  std::uint64_t rejected_messages = 0;  ///< did not decode
-  std::uint64_t dropped_messages = 0;   ///< the inbox was full
+  std::uint64_t swaps = 0;               ///< of the release
+  std::uint64_t rejected_messages = 0;   ///< did not decode
+  std::uint64_t throttled_messages = 0;  ///< of those who said more than their share
+  std::uint64_t dropped_messages = 0;    ///< the inbox was full
 };
 
 std::string ToString(const ServerCounters& counters);

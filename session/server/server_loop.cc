@@ -83,7 +83,7 @@ Result<void> Server::Loop::Start(const ServerOptions& options) {
   }
   WAYMARK_TRY_ASSIGN(
       bus_, wire::ServerBus::Create(
-                bus, [this](wire::Upward message) { Receive(std::move(message)); },
+                bus, options.share, [this](wire::Upward message) { Receive(std::move(message)); },
                 [this](GatewayReport report) { Receive(std::move(report)); }));
   publisher_.emplace(*bus_, options.relay, counters_, Now);
   thread_ = std::thread([this] { Work(); });
@@ -106,6 +106,7 @@ ServerCounters Server::Loop::Stop() {
       if (std::holds_alternative<Event>(item.content)) Handle(item);
     }
     counters_.rejected_messages = bus_->RejectedMessages();
+    counters_.throttled_messages = bus_->ThrottledMessages();
     counters_.dropped_messages = inbox_.DroppedItems();
     bus_.reset();
     recorder_.reset();

@@ -18,6 +18,11 @@ Result<void> ServerOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "frame rate: expected [1, 60] Hz, found {}",
                      frame_hz);
   }
+  if (!(share.messages_per_s > 0) || !(share.bytes_per_s > 0)) {
+    return MakeError(ErrorCode::kInvalidArgument,
+                     "share: expected more than 0 messages and bytes a second, found {} and {}",
+                     share.messages_per_s, share.bytes_per_s);
+  }
   WAYMARK_TRY(localise.Validate());
   WAYMARK_TRY(state.Validate());
   WAYMARK_TRY(relay.Validate());
@@ -28,11 +33,12 @@ std::string ToString(const ServerCounters& counters) {
   return fmt::format(
       "{} joins, {} refused, {} removed, {} departures, {} poses, {} pose batches, {} images ({} "
       "localised, {} busy), {} "
-      "anchor commands ({} written), {} releases swapped, {} messages rejected, {} dropped",
+      "anchor commands ({} written), {} releases swapped, {} messages rejected, {} "
+      "throttled, {} dropped",
       counters.joins, counters.refusals, counters.removals, counters.departures, counters.poses,
       counters.pose_batches, counters.images, counters.localised, counters.busy,
       counters.anchor_commands, counters.anchor_changes, counters.swaps, counters.rejected_messages,
-      counters.dropped_messages);
+      counters.throttled_messages, counters.dropped_messages);
 }
 
 }  // namespace waymark::session

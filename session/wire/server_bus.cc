@@ -30,6 +30,8 @@ Result<void> ServerBus::Impl::ListenForHello(const Handler& handler) {
       dds::Reader::Create(
           participant, topic, AnyUpPartition(),
           [this, handler](dds::Arrival arrival, const void* sample, const dds::Source& source) {
+            // A goodbye that is lost here is made up for by silence.
+            if (!shares.Take(source.Partition(), 0, std::chrono::steady_clock::now())) return;
             const auto& wire = *static_cast<const waymark_Hello*>(sample);
             Result<Upward> word = HearHello(arrival, wire, source);
             if (word.ok()) return handler(*std::move(word));
@@ -74,11 +76,11 @@ ServerBus::ServerBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ServerBus::~ServerBus() = default;
 
 Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptions& options,
-                                                     Handler handler,
+                                                     const ShareOptions& share, Handler handler,
                                                      GatewayHandler gateway_handler) {
   WAYMARK_TRY_ASSIGN(dds::Participant participant, dds::Participant::Create(options));
   WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<GatewayPongs>(participant, kGatewaysDown));
-  auto impl = std::make_unique<Impl>(std::move(participant), std::move(pongs));
+  auto impl = std::make_unique<Impl>(std::move(participant), std::move(pongs), share);
   WAYMARK_TRY(impl->ListenForHello(handler));
   WAYMARK_TRY(impl->Listen<PoseReport>(handler));
   WAYMARK_TRY(impl->Listen<LocaliseQuery>(handler));
@@ -182,5 +184,6 @@ bool ServerBus::ShareTheirWay(const DeviceId& a, const DeviceId& b) const {
 }
 
 std::uint64_t ServerBus::RejectedMessages() const { return impl_->rejected; }
+std::uint64_t ServerBus::ThrottledMessages() const { return impl_->shares.Throttled(); }
 
 }  // namespace waymark::session::wire

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "session/dds/participant.h"
+#include "session/wire/shares.h"
 #include "session/wire/traffic.h"
 
 namespace waymark::session::wire {
@@ -17,7 +18,8 @@ class ServerBus {
   using GatewayHandler = std::function<void(GatewayReport)>;
 
   static Result<std::unique_ptr<ServerBus>> Create(const dds::ParticipantOptions& options,
-                                                   Handler handler, GatewayHandler gateway_handler);
+                                                   const ShareOptions& share, Handler handler,
+                                                   GatewayHandler gateway_handler);
   ~ServerBus();
 
   /// What is published to a room that is not open, or sent to a device that is not, goes nowhere.
@@ -74,7 +76,8 @@ class ServerBus {
   /// To the gateway named in the message.
   Result<void> Send(const GatewayPongs& pongs);
 
-  std::uint64_t RejectedMessages() const;  ///< did not decode
+  std::uint64_t RejectedMessages() const;   ///< did not decode
+  std::uint64_t ThrottledMessages() const;  ///< beyond the share of who said them
 
  private:
   struct Impl;

@@ -37,7 +37,7 @@ class RawClient {
     EXPECT_TRUE(begun.ok());
     channel_ = connected.get_future().get();
     if (!channel_) return;
-    channel_->Start({.on_frame = [this](auto) { ++frames; },
+    channel_->Start({.on_frame = [this](std::span<const std::uint8_t> frame) { Hear(frame); },
                      .on_end =
                          [this](const Error& why) {
                            reason = why.message;
@@ -56,11 +56,21 @@ class RawClient {
 
   bool is_connected() const { return channel_ != nullptr; }
 
-  std::atomic<int> frames = 0;
+  std::atomic<int> frames = 0, replies = 0, pongs = 0;
+  std::atomic<Ticket> ticket{};
   std::atomic<bool> has_ended = false;
   std::string reason;  // once it has ended
 
  private:
+  void Hear(std::span<const std::uint8_t> frame) {
+    ++frames;
+    const auto message = wire::DecodeDownward(frame);
+    if (!message) return;
+    if (const auto* welcome = std::get_if<Welcome>(&*message)) ticket = welcome->ticket;
+    replies += std::holds_alternative<CommandReply>(*message);
+    pongs += std::holds_alternative<ClockPong>(*message);
+  }
+
   socket::SocketLoop loop_{1};
   std::shared_ptr<socket::Channel> channel_;
 };
@@ -177,6 +187,50 @@ TEST_F(GatewayTest, WhoSaysTooMuchIsThrottledAndTheRestDoesNotNotice) {
   EXPECT_TRUE(anna->PlaceAnchor(kAhead, "note", "hello").ok());
   EXPECT_GT(gateway_->Stop().throttled, 1000u);
   gateway_.reset();
+}
+
+// A phone that says each thing once, alone and then beside one that says as much as it can.
+TEST_F(GatewayTest, BesideAFloodEverythingIsAnsweredAsWithoutIt) {
+  constexpr int kRounds = 100;
+  const auto live = [&](const DeviceId& device) {
+    RawClient phone(gateway_->port());
+    phone.Send(MakeHello(device));
+    EXPECT_TRUE(Eventually([&] { return phone.ticket.load() != Ticket{}; }));
+    for (std::uint32_t round = 0; round < kRounds; ++round) {
+      phone.Send(ClockPing{phone.ticket, round, {}});
+      phone.Send(AnchorCommand{.ticket = phone.ticket,
+                               .request = UuidFromBits(1000, round),
+                               .operation = AnchorOperation::kMove,
+                               .anchor = AnchorId(device.text())});
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_TRUE(Eventually([&] { return phone.replies == kRounds && phone.pongs == kRounds; }))
+        << phone.replies << " replies, " << phone.pongs << " pongs";
+  };
+  live(DeviceId("01234567-89ab-4def-bedc-ba9876543210"));
+
+  std::atomic<bool> is_over = false;
+  std::thread flood([&] {
+    const DeviceId device("21234567-89ab-4def-bedc-ba9876543210");
+    RawClient client(gateway_->port());
+    client.Send(MakeHello(device));
+    EXPECT_TRUE(Eventually([&] { return client.ticket.load() != Ticket{}; }));
+    for (std::uint32_t round = 0; !is_over; ++round) {
+      client.Send(ClockPing{client.ticket, round, {}});
+      client.Send(PoseReport{.ticket = client.ticket, .pose = {}});
+      client.Send(AnchorCommand{.ticket = client.ticket,
+                                .request = UuidFromBits(1, round),
+                                .operation = AnchorOperation::kMove,
+                                .anchor = AnchorId(device.text())});
+      if (round % 100 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  });
+  live(DeviceId("11234567-89ab-4def-bedc-ba9876543210"));
+  is_over = true;
+  flood.join();
+  EXPECT_GT(gateway_->Stop().throttled, 1000u);
+  gateway_.reset();
+  EXPECT_EQ(StopServer().dropped_messages, 0u);
 }
 
 TEST_F(GatewayTest, ATakenPortIsNamed) {

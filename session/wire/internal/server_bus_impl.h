@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -53,17 +54,28 @@ struct DeviceWriters {
 /// How a device speaks to the server.
 enum class Way { kItself, kByGateway };
 
+/// What a message carries beyond its own size.
+template <typename Wire>
+std::size_t BytesOf(const Wire& wire) {
+  if constexpr (requires { wire.image._length; }) return wire.image._length;
+  if constexpr (requires { wire.payload._length; }) return wire.payload._length;
+  return 0;
+}
+
 inline Error NotOpen(std::string_view what, const std::string& name) {
   return MakeError(ErrorCode::kNotFound, "{} {}: is not open on the bus", what, name);
 }
 
 struct ServerBus::Impl {
-  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in)
-      : participant(std::move(participant_in)), gateway_pongs(std::move(gateway_pongs_in)) {}
+  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in, const ShareOptions& share)
+      : participant(std::move(participant_in)),
+        gateway_pongs(std::move(gateway_pongs_in)),
+        shares(share) {}
 
   dds::Participant participant;
   dds::Writer gateway_pongs;
   std::atomic<std::uint64_t> rejected = 0;
+  Shares shares;
   std::map<RoomId, RoomWriters> rooms;
   std::map<DeviceId, DeviceWriters> devices;         // that speak for themselves
   std::map<DeviceId, RoomId> phones;                 // that a gateway speaks for
@@ -72,10 +84,20 @@ struct ServerBus::Impl {
   std::map<DeviceId, Way> ways;      // guarded by mutex; of the hellos that came last
   std::vector<dds::Reader> readers;  // last: their callbacks end before the rest goes
 
+  /// To what devices say; each has its share.
   template <typename Message>
   Result<void> Listen(const Handler& handler) {
-    return Listen<Message>(AnyUpPartition(),
-                           [handler](Message message) { handler(Upward(std::move(message))); });
+    WAYMARK_TRY_ASSIGN(dds::Reader reader,
+                       MakeReader<Message>(
+                           participant, TopicOf<Message>(), AnyUpPartition(), rejected,
+                           [handler](Message message) { handler(Upward(std::move(message))); },
+                           [](dds::Arrival, const WireOf<Message>&) {},
+                           [this](const dds::Source& source, const WireOf<Message>& wire) {
+                             return shares.Take(source.Partition(), BytesOf(wire),
+                                                std::chrono::steady_clock::now());
+                           }));
+    readers.push_back(std::move(reader));
+    return {};
   }
 
   template <typename Message, typename OnMessage>

@@ -49,18 +49,29 @@ Result<void> Write(dds::Writer& writer, const Message& message) {
   return writer.Write(&wire);
 }
 
+/// Admits whatever comes.
+struct AnySource {
+  template <typename Wire>
+  bool operator()(const dds::Source&, const Wire&) const {
+    return true;
+  }
+};
+
 /// Hands decoded messages to `on_message` and ended instances to `on_end` (with how they ended and
-/// the key in the generated type). What does not decode is counted and goes no further.
-template <typename Message, typename OnMessage, typename OnEnd>
+/// the key in the generated type). What does not decode is counted and goes no further, and what
+/// `admit` says no to is not even decoded.
+template <typename Message, typename OnMessage, typename OnEnd, typename Admit = AnySource>
 Result<dds::Reader> MakeReader(dds::Participant& participant, const dds::Topic& topic,
                                const std::string& partition, std::atomic<std::uint64_t>& rejected,
-                               OnMessage on_message, OnEnd on_end) {
+                               OnMessage on_message, OnEnd on_end, Admit admit = {}) {
   return dds::Reader::Create(
       participant, topic, partition,
-      [&rejected, name = topic.name, on_message = std::move(on_message),
-       on_end = std::move(on_end)](dds::Arrival arrival, const void* sample, const dds::Source&) {
+      [&rejected, name = topic.name, on_message = std::move(on_message), on_end = std::move(on_end),
+       admit = std::move(admit)](dds::Arrival arrival, const void* sample,
+                                 const dds::Source& source) {
         const auto& wire = *static_cast<const WireOf<Message>*>(sample);
         if (arrival != dds::Arrival::kSample) return on_end(arrival, wire);
+        if (!admit(source, wire)) return;
         Result<Message> message = Decode(wire);
         if (message.ok()) return on_message(*std::move(message));
         // One line for the first: a hostile peer must not fill the log.
