@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <arpa/inet.h>
+
 #include <filesystem>
 #include <string>
 
@@ -8,7 +10,9 @@ namespace waymark::session {
 
 /// Whether an address is reached from this machine alone.
 inline bool IsLoopback(const std::string& address) {
-  return address == "localhost" || address == "::1" || address.starts_with("127.");
+  in_addr parsed{};  // a name may begin with 127 and be anywhere
+  if (::inet_pton(AF_INET, address.c_str(), &parsed) == 1) return ntohl(parsed.s_addr) >> 24 == 127;
+  return address == "localhost" || address == "::1";
 }
 
 /// Whether a folder of keys has what DDS Security needs, beside what tokens need.

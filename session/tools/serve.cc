@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// waymark-serve: serves a map and its anchors until it is told to end.
+// waymark-serve: serves a map and its anchors until it is told to end. `waymark-serve keys …` is
+// waymark-keys.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "content_store/anchor_store.h"
 #include "mapping/base/log.h"
@@ -13,6 +15,7 @@
 #include "session/server/release_watcher.h"
 #include "session/server/server.h"
 #include "session/tools/end_signals.h"
+#include "session/tools/key_commands.h"
 #include "session/tools/security.h"
 #include "session/tools/serve_options.h"
 
@@ -92,6 +95,9 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
 }  // namespace waymark::session
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "keys") {
+    return waymark::session::RunKeyCommand(argc - 1, argv + 1, "waymark-serve keys");
+  }
   const sigset_t end_signals = waymark::session::BlockEndSignals();
   CLI::App app{"Serves a map to devices: localisation, presence, poses and anchors.",
                "waymark-serve"};

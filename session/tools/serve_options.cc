@@ -43,7 +43,7 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
       "  waymark-serve --map MAP --store anchors.db                       on this machine, open\n"
       "  waymark-serve --map MAP --store anchors.db --security KEYS       with tokens\n"
       "  waymark-serve … --address 192.0.2.7 --security KEYS/issued/main  for others, encrypted\n"
-      "Keys and tokens come from waymark-keys.");
+      "Keys and tokens come from `waymark-serve keys …`, which is also waymark-keys.");
   app.add_option("--map", arguments.map, "Map folder with a deployed release")->required();
   app.add_option("--store", arguments.store,
                  "Anchor store, created if absent: a file, or postgresql://user@host/database, "

@@ -153,6 +153,57 @@ TEST_F(Serve, GoesOnWhenTheDiskOfItsRecordingIsFull) {
   EXPECT_EQ(second->cut_off, 0u);
 }
 
+// An address that others can reach, or may be able to.
+TEST_F(Serve, DoesNotStartBeyondThisMachineWithoutKeys) {
+  MakeEmptyMap();
+  const std::string keys = (folder_ / "keys").string();
+  Peer init({"keys", "init", keys}, WAYMARK_SERVE);
+  EXPECT_EQ(init.AwaitEnd(), 0);
+  const auto start = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = Arguments();
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<Peer>(arguments, WAYMARK_SERVE);
+  };
+  for (const std::string address : {"0.0.0.0", "192.0.2.7", "127.example.org"}) {
+    const auto open = start({"--address", address});
+    EXPECT_THAT(open->line(), AllOf(HasSubstr(address), HasSubstr("others can reach it"),
+                                    HasSubstr("issue KEYS server")));
+    EXPECT_EQ(open->AwaitEnd(), 1);
+    const auto with_tokens_alone = start({"--address", address, "--security", keys});
+    EXPECT_THAT(with_tokens_alone->line(), HasSubstr("others can reach it"));
+    EXPECT_EQ(with_tokens_alone->AwaitEnd(), 1);
+  }
+  const auto insecure = start({"--address", "192.0.2.7", "--insecure"});
+  EXPECT_THAT(insecure->line(), HasSubstr("is not one of this machine")) << "it would have started";
+  EXPECT_EQ(insecure->AwaitEnd(), 1);
+}
+
+TEST_F(Serve, ServesWithKeysThatItMade) {
+  MakeEmptyMap();
+  const std::string keys = (folder_ / "keys").string();
+  const std::string device = "11234567-89ab-4def-bedc-ba9876543210";
+  Peer init({"keys", "init", keys}, WAYMARK_SERVE);
+  EXPECT_THAT(init.line(), HasSubstr("secret stays on this machine"));
+  Peer twice({"keys", "init", keys}, WAYMARK_SERVE);
+  EXPECT_THAT(twice.line(), HasSubstr("holds keys already"));
+  EXPECT_EQ(twice.AwaitEnd(), 1);
+  Peer issue({"keys", "issue", keys, "server", "main"}, WAYMARK_SERVE);
+  EXPECT_THAT((std::vector{issue.line(), issue.ReadLine()}),  // of standard output and error
+              testing::UnorderedElementsAre(keys + "/issued/main", HasSubstr("server main until")));
+  EXPECT_EQ(issue.AwaitEnd(), 0);
+  std::vector<std::string> arguments = Arguments();
+  arguments.insert(arguments.end(), {"--security", keys + "/issued/main"});
+  Peer server(arguments, WAYMARK_SERVE);
+  EXPECT_THAT(server.line(), AllOf(StartsWith("ready"), HasSubstr("tokens=yes")));
+  Peer revoke({"keys", "revoke", keys, "device", device}, WAYMARK_SERVE);
+  EXPECT_EQ(revoke.AwaitEnd(), 0);
+  EXPECT_THAT(server.ReadLine(), HasSubstr("1 devices"));
+  Peer wrong({"keys", "revoke", keys, "device", "nobody"}, WAYMARK_SERVE);
+  EXPECT_THAT(wrong.line(), HasSubstr("device UUID"));
+  EXPECT_EQ(wrong.AwaitEnd(), 1);
+  EXPECT_EQ(server.Terminate(), 0);
+}
+
 TEST_F(Serve, SaysWhatIsMissing) {
   Peer without_map(Arguments(), WAYMARK_SERVE);
   EXPECT_THAT(without_map.line(), HasSubstr(MapPath().string()));
