@@ -42,7 +42,7 @@ struct AlignmentOptions {
   std::size_t max_fixes = 32;     ///< memory and time are O(1); the oldest goes first, [1, 1000]
   std::chrono::duration<double> stale_after{30};  ///< without a supporting fix for so long
   int min_supporting_fixes = 3;                   ///< agreeing fixes that make `fixed`
-  double sigma_floor_m = 0.1;                     ///< map and drift error, added to every fix's own
+  double sigma_floor_m = 0.05;                    ///< map and drift error, added to every fix's own
   Angle sigma_floor_angle = Angle::Degrees(1);    ///< likewise for its rotation
   Angle max_disagreement_angle = Angle::Degrees(20);  ///< turned or tilted farther: left out
   AlignmentFreedom freedom = AlignmentFreedom::kYawAndTranslation;

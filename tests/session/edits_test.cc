@@ -67,7 +67,7 @@ TEST_F(BegunEdits, AnAnchorThatIsDraggedEndsWhereItWasLetGo) {
   const SharedAnchor begun = Begin();
   for (int i = 0; i <= 300; ++i) {
     ASSERT_TRUE(anna_->BeginMove(*FindAnchor(*anna_, begun.id), At(0.01 * i)));
-    EXPECT_NEAR(FindAnchor(*anna_, begun.id)->map_from_anchor.translation().x(), 0.01 * i, 1e-9);
+    EXPECT_NEAR(FindAnchor(*anna_, begun.id)->map_from_anchor.translation().x(), 0.01 * i, 1e-6);
   }
   EXPECT_TRUE(Eventually([&] { return !FindAnchor(*anna_, begun.id)->is_pending; }));
   for (const EditOutcome& outcome : anna_->TakeOutcomes()) EXPECT_FALSE(outcome.error);

@@ -64,6 +64,15 @@ int Run(int argc, char** argv) {
                  "of the way that the alignment expects odometry to be off")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  app.add_option("--floor", plan.alignment.sigma_floor_m,
+                 "that the alignment adds to the sigma of every answer's position, metres")
+      ->check(CLI::Range(1e-3, 10.0))
+      ->capture_default_str();
+  app.add_option_function<double>(
+         "--rotation-floor",
+         [&](double degrees) { plan.alignment.sigma_floor_angle = Angle::Degrees(degrees); },
+         "likewise of its rotation, degrees; default: the library's")
+      ->check(CLI::Range(1e-3, 90.0));
   app.add_option("--seed", plan.seed)->capture_default_str();
   app.add_option("--city-seed", plan.city.seed)->capture_default_str();
   app.add_option("--pictures", pictures, "folder for the walks and the histogram as SVG");

@@ -77,7 +77,7 @@ double ErrorBudget::RootOfSquares() const {
 
 PhoneErrors Assess(const PhoneTrial& trial, double keyframe_interval_s) {
   PhoneErrors errors;
-  std::vector<double> shown_m, newest_m, update_ms;
+  std::vector<double> shown_m, newest_m, update_ms, position_squares, rotation_squares;
   double fixed_at_s = std::numeric_limits<double>::infinity();
   for (const ShownInstant& instant : trial.shown) {
     update_ms.push_back(instant.update_ms);
@@ -86,11 +86,18 @@ PhoneErrors Assess(const PhoneTrial& trial, double keyframe_interval_s) {
     }
     if (instant.time_s < fixed_at_s || !instant.shown) continue;
     shown_m.push_back(Distance(*instant.shown, instant.map_from_device));
+    const double turned_rad =
+        AngleBetween(instant.shown->rotation(), instant.map_from_device.rotation()).radians();
+    const session::PoseCertainty& said = instant.certainty;
+    position_squares.push_back(std::pow(shown_m.back() / said.sigma_m, 2) / 3);
+    rotation_squares.push_back(std::pow(turned_rad / said.rotation_sigma_rad, 2) / 3);
     if (instant.by_newest_fix) {
       newest_m.push_back(Distance(*instant.by_newest_fix, instant.map_from_device));
     }
   }
   errors.shown = Summarise(std::move(shown_m));
+  errors.position_in_sigmas = std::sqrt(Mean(position_squares));
+  errors.rotation_in_sigmas = std::sqrt(Mean(rotation_squares));
   errors.by_newest_fix = Summarise(std::move(newest_m));
   errors.satellite = Summarise(trial.satellite_errors_m);
   if (std::isfinite(fixed_at_s)) errors.first_fixed_s = fixed_at_s;

@@ -37,10 +37,12 @@ struct ErrorBudget {
 struct PhoneErrors {
   ErrorFigures shown;
   ErrorFigures by_newest_fix;
-  ErrorFigures satellite;     ///< its receiver, horizontally
-  double first_fixed_s = -1;  ///< since its walk began; negative: never
-  double largest_jump_m = 0;  ///< of the shown pose between two looks, its own motion taken off
-  double update_p99_ms = 0;   ///< processor time of the phone's part per sample of odometry
+  ErrorFigures satellite;         ///< its receiver, horizontally
+  double position_in_sigmas = 0;  ///< root mean square of the shown error, in what the phone says
+  double rotation_in_sigmas = 0;  ///< likewise; 1 where it says the truth
+  double first_fixed_s = -1;      ///< since its walk began; negative: never
+  double largest_jump_m = 0;      ///< of the shown pose between two looks, its own motion taken off
+  double update_p99_ms = 0;       ///< processor time of the phone's part per sample of odometry
   ErrorBudget budget;
 };
 PhoneErrors Assess(const PhoneTrial& trial, double keyframe_interval_s);

@@ -17,13 +17,13 @@ std::string Row(const std::string& name, const PhoneErrors& e) {
   const ErrorBudget& budget = e.budget;
   return fmt::format(
       "{:6} {:5.0f} % {:6.1f} {:5.1f} {:6.1f} {:6.1f} {:6.1f}   {:5.1f} {:5.1f} {:5.1f} {:6.1f} "
-      "{:6.1f} {:7.2f}   {:5.2f} {:6.1f} {:6.3f}\n",
+      "{:6.1f} {:7.2f}   {:4.2f} {:4.2f}   {:5.2f} {:6.1f} {:6.3f}\n",
       name, 100 * budget.success_rate, 100 * e.satellite.mean, 100 * e.by_newest_fix.mean,
       100 * e.shown.mean, 100 * e.shown.median, 100 * e.shown.p95, 100 * budget.map_m,
       100 * budget.localisation_m, 100 * budget.odometry_mps * budget.wait_s, 100 * budget.Sum(),
       100 * budget.RootOfSquares(),
-      budget.RootOfSquares() > 0 ? e.shown.mean / budget.RootOfSquares() : 0, e.first_fixed_s,
-      100 * e.largest_jump_m, e.update_p99_ms);
+      budget.RootOfSquares() > 0 ? e.shown.mean / budget.RootOfSquares() : 0, e.position_in_sigmas,
+      e.rotation_in_sigmas, e.first_fixed_s, 100 * e.largest_jump_m, e.update_p99_ms);
 }
 
 }  // namespace
@@ -33,9 +33,9 @@ std::string DescribePhones(const PhonePlan& plan, std::span<const PhoneTrial> tr
       "A keyframe every {} s, answers after {} s, submaps placed wrong by {} cm per axis and {} "
       "degrees.\nPositions in cm. Simulation.\n\n"
       "phone  fixes    GNSS newest  shown median    p95     map  loc.  odo.    sum   root "
-      "shown/r   fixed   jump update\n"
+      "shown/r    in sigmas   fixed   jump update\n"
       "               mean   mean   mean                                               "
-      "              s     cm   ms\n",
+      "           pos. rot.       s     cm   ms\n",
       plan.keyframe_interval_s, plan.latency_s, 100 * plan.placement_sigma_m,
       plan.placement_sigma.degrees());
   for (std::size_t i = 0; i < trials.size(); ++i) {
