@@ -189,13 +189,22 @@ TEST_F(GatewayTest, WhoSaysTooMuchIsThrottledAndTheRestDoesNotNotice) {
   gateway_.reset();
 }
 
+/// Says Hello until it is welcomed, as phones do: the first may come before the room's line is up.
+bool Enters(RawClient& client, const DeviceId& device) {
+  return Eventually([&] {
+    if (client.ticket.load() != Ticket{}) return true;
+    client.Send(MakeHello(device));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    return false;
+  });
+}
+
 // A phone that says each thing once, alone and then beside one that says as much as it can.
 TEST_F(GatewayTest, BesideAFloodEverythingIsAnsweredAsWithoutIt) {
   constexpr int kRounds = 100;
   const auto live = [&](const DeviceId& device) {
     RawClient phone(gateway_->port());
-    phone.Send(MakeHello(device));
-    EXPECT_TRUE(Eventually([&] { return phone.ticket.load() != Ticket{}; }));
+    EXPECT_TRUE(Enters(phone, device));
     for (std::uint32_t round = 0; round < kRounds; ++round) {
       phone.Send(ClockPing{phone.ticket, round, {}});
       phone.Send(AnchorCommand{.ticket = phone.ticket,
@@ -213,8 +222,7 @@ TEST_F(GatewayTest, BesideAFloodEverythingIsAnsweredAsWithoutIt) {
   std::thread flood([&] {
     const DeviceId device("21234567-89ab-4def-bedc-ba9876543210");
     RawClient client(gateway_->port());
-    client.Send(MakeHello(device));
-    EXPECT_TRUE(Eventually([&] { return client.ticket.load() != Ticket{}; }));
+    EXPECT_TRUE(Enters(client, device));
     for (std::uint32_t round = 0; !is_over; ++round) {
       client.Send(ClockPing{client.ticket, round, {}});
       client.Send(PoseReport{.ticket = client.ticket, .pose = {}});
