@@ -125,21 +125,31 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
     if (map_.run != state.run) map_ = {};
   }
   state_ = {state.run, frame};
+  run_ = state.run;
   epoch_ = state.epoch;
   anchor_relay_.Expect(state.run, state.anchor_count, state.anchor_digest);
   for (auto& [phone, listener] : by_area_) TellAreaState(phone, listener);
 }
 
-// What ends while the server is away is not told; what still holds then is told anew.
+// What ends while the server is away is not told; what still holds then is told anew. Its next run
+// may have said something already, which it will not say again.
 void Room::ForgetWords() {
   const std::lock_guard lock(mutex_);
-  presences_.clear();
-  anchors_.clear();
-  anchors_of_epochs_.clear();
-  anchor_relay_ = AnchorRelay();
+  const auto is_lost = [&](const auto& entry) { return entry.second.run == run_; };
+  std::erase_if(presences_, is_lost);
+  std::erase_if(anchors_, [&](const auto& entry) {
+    if (!is_lost(entry)) return false;
+    ForgetAnchor(entry.second);
+    return true;
+  });
+  anchor_relay_.ForgetRun(run_);
   for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
-  own_.clear();
-  state_ = map_ = {};
+  for (auto& [owner, words] : own_) {
+    std::erase_if(words.anchors, is_lost);
+    if (words.state.run == run_) words.state = {};
+  }
+  state_ = {};
+  if (map_.run == run_) map_ = {};
 }
 
 // ---- poses ------------------------------------------------------------------------------------

@@ -100,6 +100,7 @@ class Room : public std::enable_shared_from_this<Room> {
   AnchorRelay anchor_relay_;                                // knows the same
   std::map<PhonePtr, AnchorRelay::Listener> by_area_;
   Word state_, map_;
+  RunId run_{};  // of the server, as the room was last told
   std::multimap<std::string, PhonePtr> by_owner_;
   std::map<std::string, OwnWords> own_;  // of owners who have a phone here
 

@@ -71,6 +71,15 @@ void AnchorRelay::ForgetOtherRuns(RunId run) {
   });
 }
 
+void AnchorRelay::ForgetRun(RunId run) {
+  std::erase_if(anchors_, [&](const auto& entry) {
+    if (entry.second.run != run) return false;
+    TakeOut(entry.first, entry.second);
+    return true;
+  });
+  if (expected_ && expected_->first == run) expected_.reset();
+}
+
 void AnchorRelay::Expect(RunId run, std::size_t count, std::uint64_t digest) {
   expected_ = {run, Tally{count, digest}};
 }

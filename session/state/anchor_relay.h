@@ -41,6 +41,8 @@ class AnchorRelay {
   Change Remove(const AnchorId& anchor);
   /// What was said in other runs of the server no longer holds, and nobody is told of its end.
   void ForgetOtherRuns(RunId run);
+  /// What was said in this one will be said anew, as far as it still holds.
+  void ForgetRun(RunId run);
   /// How many the room holds. What is told of areas waits until those that are known are these.
   void Expect(RunId run, std::size_t count, std::uint64_t digest);
   bool IsComplete() const;

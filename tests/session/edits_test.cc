@@ -116,7 +116,11 @@ TEST_F(BegunEdits, ASecondServerTakesUpWhatTheFirstDidNotAnswer) {
   const SharedAnchor begun = Begin();
   StartServer();
   EXPECT_FALSE(Outcomes(*anna_, 1)[0].error);
-  EXPECT_TRUE(Eventually([&] { return FindAnchor(*ben_, begun.id).has_value(); }));
+  EXPECT_TRUE(Eventually([&] { return FindAnchor(*ben_, begun.id).has_value(); }))
+      << "in " << ben_->Standing().is_in << " " << ben_->Standing().reason << ", joins "
+      << ben_->Statistics().joins << ", snapshot " << ben_->HasSnapshot() << ", anchors "
+      << ben_->Anchors().size() << "; of Anna: snapshot " << anna_->HasSnapshot() << ", revision "
+      << FindAnchor(*anna_, begun.id)->revision;
   EXPECT_EQ(anna_->Anchors().size(), 1u) << "once";
 }
 
