@@ -166,9 +166,13 @@ void Phone::Hear(const Welcome& welcome) {
         ticket_ = welcome.ticket;
         stance_.number = welcome.number;
       }
-      if (is_accepted_.exchange(true)) return;
-      return calls_.post([weak = weak_from_this()] {
-        if (const auto self = weak.lock()) self->calls_.on_attached(self);
+      const bool is_anew = accepted_attempt_.exchange(welcome.attempt) != welcome.attempt;
+      const bool is_first = !is_accepted_.exchange(true);
+      if (!is_first && !is_anew) return;
+      return calls_.post([weak = weak_from_this(), is_first] {
+        const auto self = weak.lock();
+        if (!self) return;
+        is_first ? self->calls_.on_attached(self) : self->EnterRoom();
       });
     }
     case JoinVerdict::kRefused:

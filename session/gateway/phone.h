@@ -99,6 +99,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   int rejected_ = 0;
   bool has_left_ = false;
   std::atomic<std::uint32_t> attempt_ = 0;  // of its latest Hello
+  std::atomic<std::uint32_t> accepted_attempt_ = 0;
   std::atomic<bool> is_accepted_ = false, is_refused_ = false;
   std::optional<Hello> hello_;  // the first
   std::string owner_;

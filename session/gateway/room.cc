@@ -32,7 +32,7 @@ void Room::ListenFor(const DeviceId& device, const std::string& owner, const Pho
 
 void Room::Admit(const PhonePtr& phone) {
   const std::lock_guard lock(mutex_);
-  if (waiting_.erase(phone) == 0) return;
+  if (waiting_.erase(phone) == 0 && !phones_.contains(phone)) return;
   const auto tell = [&](const Word& word) {
     if (word.frame) phone->Tell(word.frame, std::nullopt);
   };

@@ -30,7 +30,8 @@ class Room : public std::enable_shared_from_this<Room> {
   /// its owner's devices is kept for it until it is admitted.
   void ListenFor(const DeviceId& device, const std::string& owner, const PhonePtr& phone);
   /// From now on it is told what the room is told, after all that still holds of what was; unless
-  /// it left meanwhile.
+  /// it left meanwhile. Who joins anew, after a silence of the server, is told all of that once
+  /// more: he has begun to count anew what is delivered.
   void Admit(const PhonePtr& phone);
   /// A phone that hears of areas alone asks for one.
   void SetArea(const PhonePtr& phone, const AreaReport& report);
