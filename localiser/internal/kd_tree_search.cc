@@ -2,7 +2,7 @@
 #include "localiser/internal/kd_tree_search.h"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <numeric>
 #include <tuple>
 
@@ -89,12 +89,10 @@ FoundLandmarks KdTreeSearch::Match(std::span<const Descriptor> features) const {
     if (angle_rad <= options_.max_angle_rad && ratio < options_.max_ratio) {
       found.matches.push_back({f, alike[0].landmark, static_cast<float>(ratio)});
     }
-    for (const Resemblance& resemblance : alike) {
-      if (DescriptorAngle(resemblance.dot) > options_.max_resemblance_rad) break;
-      found.resemblances.push_back(resemblance);
-      if (&resemblance - alike.data() + 1 == static_cast<std::ptrdiff_t>(options_.max_resemblances))
-        break;
-    }
+    alike.resize(std::min(alike.size(), options_.max_resemblances), alike[0]);
+    std::ranges::copy_if(alike, std::back_inserter(found.resemblances), [&](const auto& a) {
+      return DescriptorAngle(a.dot) <= options_.max_resemblance_rad;
+    });
   }
   return found;
 }

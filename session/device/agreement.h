@@ -29,8 +29,8 @@ struct Agreement {
   ExpectedDistance apart;
 };
 
-/// Of each anchor with each other phone, present and tracking in the same release of the map, where
-/// both are within `reach_m` of it.
+/// Of each anchor with each other phone that is present and shares a pose in the same release of
+/// the map, where both are within `reach_m` of it.
 std::vector<Agreement> ExpectAgreements(const DevicePose& self, std::span<const OtherDevice> others,
                                         std::span<const SharedAnchor> anchors, double reach_m = 20);
 

@@ -112,20 +112,8 @@ void Room::On(const MapState& state, const wire::SharedFrame& frame) { map_ = {s
 
 // With another run of the server, what was said in an earlier one no longer holds.
 void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
-  if (state.run != state_.run) {
-    const auto is_over = [&](const auto& entry) { return entry.second.run != state.run; };
-    std::erase_if(presences_, is_over);
-    std::erase_if(anchors_, [&](const auto& entry) {
-      if (!is_over(entry)) return false;
-      ForgetAnchor(entry.second);
-      return true;
-    });
-    anchor_relay_.ForgetOtherRuns(state.run);
-    for (auto& [owner, words] : own_) std::erase_if(words.anchors, is_over);
-    if (map_.run != state.run) map_ = {};
-  }
+  if (state.run != state_.run) ForgetRuns([&](RunId run) { return run != state.run; });
   state_ = {state.run, frame};
-  run_ = state.run;
   epoch_ = state.epoch;
   anchor_relay_.Expect(state.run, state.anchor_count, state.anchor_digest);
   for (auto& [phone, listener] : by_area_) TellAreaState(phone, listener);
@@ -135,21 +123,25 @@ void Room::On(const RoomState& state, const wire::SharedFrame& frame) {
 // may have said something already, which it will not say again.
 void Room::ForgetWords() {
   const std::lock_guard lock(mutex_);
-  const auto is_lost = [&](const auto& entry) { return entry.second.run == run_; };
-  std::erase_if(presences_, is_lost);
+  ForgetRuns([lost = state_.run](RunId run) { return run == lost; });
+  state_.frame = nullptr;
+  for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
+}
+
+void Room::ForgetRuns(const std::function<bool(RunId)>& is_over) {
+  const auto is_past = [&](const auto& entry) { return is_over(entry.second.run); };
+  std::erase_if(presences_, is_past);
   std::erase_if(anchors_, [&](const auto& entry) {
-    if (!is_lost(entry)) return false;
+    if (!is_past(entry)) return false;
     ForgetAnchor(entry.second);
     return true;
   });
-  anchor_relay_.ForgetRun(run_);
-  for (auto& [phone, listener] : by_area_) listener.ForgetAnchors();
+  anchor_relay_.ForgetRuns(is_over);
   for (auto& [owner, words] : own_) {
-    std::erase_if(words.anchors, is_lost);
-    if (words.state.run == run_) words.state = {};
+    std::erase_if(words.anchors, is_past);
+    if (is_over(words.state.run)) words.state = {};
   }
-  state_ = {};
-  if (map_.run == run_) map_ = {};
+  if (is_over(map_.run)) map_ = {};
 }
 
 // ---- poses ------------------------------------------------------------------------------------

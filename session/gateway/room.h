@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -81,6 +82,7 @@ class Room : public std::enable_shared_from_this<Room> {
   void TellAreaState(const PhonePtr& phone, AnchorRelay::Listener& listener);
   void ForgetAnchor(const AnchorWord& word);
   void ForgetWords();
+  void ForgetRuns(const std::function<bool(RunId)>& is_over);
 
   // On the loop.
   void TellPoses();
@@ -101,7 +103,6 @@ class Room : public std::enable_shared_from_this<Room> {
   AnchorRelay anchor_relay_;                                // knows the same
   std::map<PhonePtr, AnchorRelay::Listener> by_area_;
   Word state_, map_;
-  RunId run_{};  // of the server, as the room was last told
   std::multimap<std::string, PhonePtr> by_owner_;
   std::map<std::string, OwnWords> own_;  // of owners who have a phone here
 

@@ -63,21 +63,13 @@ AnchorRelay::Change AnchorRelay::Remove(const AnchorId& anchor) {
   return change;
 }
 
-void AnchorRelay::ForgetOtherRuns(RunId run) {
+void AnchorRelay::ForgetRuns(const std::function<bool(RunId)>& is_over) {
   std::erase_if(anchors_, [&](const auto& entry) {
-    if (entry.second.run == run) return false;
+    if (!is_over(entry.second.run)) return false;
     TakeOut(entry.first, entry.second);
     return true;
   });
-}
-
-void AnchorRelay::ForgetRun(RunId run) {
-  std::erase_if(anchors_, [&](const auto& entry) {
-    if (entry.second.run != run) return false;
-    TakeOut(entry.first, entry.second);
-    return true;
-  });
-  if (expected_ && expected_->first == run) expected_.reset();
+  if (expected_ && is_over(expected_->first)) expected_.reset();
 }
 
 void AnchorRelay::Expect(RunId run, std::size_t count, std::uint64_t digest) {

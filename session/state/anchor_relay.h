@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <unordered_map>
@@ -39,10 +40,9 @@ class AnchorRelay {
 
   Change Put(const AnchorState& state);
   Change Remove(const AnchorId& anchor);
-  /// What was said in other runs of the server no longer holds, and nobody is told of its end.
-  void ForgetOtherRuns(RunId run);
-  /// What was said in this one will be said anew, as far as it still holds.
-  void ForgetRun(RunId run);
+  /// What was said in runs of the server that are over no longer holds, and nobody is told of its
+  /// end.
+  void ForgetRuns(const std::function<bool(RunId)>& is_over);
   /// How many the room holds. What is told of areas waits until those that are known are these.
   void Expect(RunId run, std::size_t count, std::uint64_t digest);
   bool IsComplete() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -37,6 +38,11 @@ struct RoomMember {
   Role role() const { return permit.role; }
   /// Of what it places.
   const std::string& owner() const { return permit.owner.empty() ? device.text() : permit.owner; }
+  /// The answer to a command that it repeats; null where there is none or it is forgotten.
+  const CommandReply* FindAnswer(const Uuid& request) const {
+    const auto found = std::ranges::find(answered, request, &CommandReply::request);
+    return found == answered.end() ? nullptr : &*found;
+  }
 };
 
 bool IsSamePose(const Transform<Map, Anchor>& a, const Transform<Map, Anchor>& b);

@@ -2,8 +2,6 @@
 // What becomes of anchor commands: decided, written, published, answered, in this order.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "session/state/session_state.h"
 
 namespace waymark::session {
@@ -18,11 +16,8 @@ void SessionState::On(const event::CommandReceived& event, Step& step) {
   RoomMember* const member = FindHeard(command.ticket, step.now);
   if (member == nullptr || member->under_way.contains(command.request)) return;
   Settle(rooms_.at(member->room), command.anchor);
-  const auto answered =
-      std::find_if(member->answered.begin(), member->answered.end(),
-                   [&](const CommandReply& reply) { return reply.request == command.request; });
-  if (answered != member->answered.end()) {
-    CommandReply reply = *answered;
+  if (const CommandReply* const answer = member->FindAnswer(command.request)) {
+    CommandReply reply = *answer;
     const RoomAnchor* const current = rooms_.at(member->room).Find(reply.anchor, member->owner());
     if (current != nullptr) reply.current = *current;
     step.effects.push_back(effect::SendReply{std::move(reply)});

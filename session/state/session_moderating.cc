@@ -13,11 +13,8 @@ void SessionState::On(const event::RoomCommandReceived& event, Step& step) {
   const RoomCommand& command = event.command;
   RoomMember* const member = FindHeard(command.ticket, step.now);
   if (member == nullptr || member->under_way.contains(command.request)) return;
-  const auto answered =
-      std::find_if(member->answered.begin(), member->answered.end(),
-                   [&](const CommandReply& reply) { return reply.request == command.request; });
-  if (answered != member->answered.end()) {
-    step.effects.push_back(effect::SendReply{*answered});
+  if (const CommandReply* const answer = member->FindAnswer(command.request)) {
+    step.effects.push_back(effect::SendReply{*answer});
     return;
   }
   std::optional<CommandVerdict> refusal;

@@ -97,8 +97,7 @@ WaymarkStatus waymark_begin_place_anchor(WaymarkSession session, const WaymarkPl
 WaymarkStatus waymark_begin_move_anchor(WaymarkSession session, const WaymarkAnchor* held,
                                         const WaymarkTransform* map_from_anchor) {
   return WithDevice(session, [&](DeviceSession& device) -> Outcome {
-    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
-    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(held));
     WAYMARK_TRY_ASSIGN(const auto place, (ReadTransform<waymark::Map, waymark::Anchor>(
                                              map_from_anchor, "map_from_anchor")));
     return device.BeginMove(anchor, place);
@@ -107,8 +106,7 @@ WaymarkStatus waymark_begin_move_anchor(WaymarkSession session, const WaymarkAnc
 
 WaymarkStatus waymark_begin_delete_anchor(WaymarkSession session, const WaymarkAnchor* held) {
   return WithDevice(session, [&](DeviceSession& device) -> Outcome {
-    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
-    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(held));
     return device.BeginDelete(anchor);
   });
 }
@@ -116,8 +114,7 @@ WaymarkStatus waymark_begin_delete_anchor(WaymarkSession session, const WaymarkA
 WaymarkStatus waymark_move_anchor(WaymarkSession session, const WaymarkAnchor* held,
                                   const WaymarkTransform* map_from_anchor, WaymarkAnchor* now) {
   return WithDevice(session, [&](DeviceSession& device) -> Outcome {
-    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
-    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(held));
     WAYMARK_TRY_ASSIGN(const auto place, (ReadTransform<waymark::Map, waymark::Anchor>(
                                              map_from_anchor, "map_from_anchor")));
     WAYMARK_TRY_ASSIGN(const Now answer, Now::Of(now));
@@ -128,8 +125,7 @@ WaymarkStatus waymark_move_anchor(WaymarkSession session, const WaymarkAnchor* h
 WaymarkStatus waymark_delete_anchor(WaymarkSession session, const WaymarkAnchor* held,
                                     WaymarkAnchor* now) {
   return WithDevice(session, [&](DeviceSession& device) -> Outcome {
-    WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
-    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(theirs));
+    WAYMARK_TRY_ASSIGN(const SharedAnchor anchor, ReadAnchor(held));
     WAYMARK_TRY_ASSIGN(const Now answer, Now::Of(now));
     const auto deleted = device.DeleteAnchor(anchor);
     if (!deleted) return answer.After(deleted.error(), device, anchor.id);

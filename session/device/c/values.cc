@@ -138,7 +138,8 @@ Result<DeviceFrame> ReadFrame(const WaymarkFrame& theirs) {
   return frame;
 }
 
-Result<SharedAnchor> ReadAnchor(const WaymarkAnchor& theirs) {
+Result<SharedAnchor> ReadAnchor(const WaymarkAnchor* held) {
+  WAYMARK_TRY_ASSIGN(const WaymarkAnchor theirs, ReadStruct(held, "held"));
   WAYMARK_TRY_ASSIGN(const std::string id,
                      ReadText(theirs.anchor, WAYMARK_ID_BYTES - 1, "anchor's id"));
   return SharedAnchor{.id = AnchorId(id),

@@ -20,7 +20,7 @@ Result<Transform<To, From>> ReadTransform(const WaymarkTransform* theirs, const 
 Result<DeviceFrame> ReadFrame(const WaymarkFrame& theirs);
 /// What a change of an anchor needs to know of it; place, kind and payload are not read.
 /// Errors: InvalidArgument.
-Result<SharedAnchor> ReadAnchor(const WaymarkAnchor& theirs);
+Result<SharedAnchor> ReadAnchor(const WaymarkAnchor* held);
 
 /// Errors: InvalidArgument.
 Result<content::AnchorVisibility> ReadAudience(std::int32_t theirs);
