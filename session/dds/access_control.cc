@@ -18,8 +18,6 @@ struct ddsi_domaingv;
 namespace waymark::session::dds::internal {
 namespace {
 
-using Plugin = dds_security_access_control;
-
 std::string Printable(std::string text) {
   text.resize(std::min<std::size_t>(text.size(), 100));
   std::replace_if(
@@ -31,19 +29,18 @@ std::string Printable(std::string text) {
 
 void AccessControl::Attach(Plugin* plugin) {
   const std::lock_guard lock(mutex_);
-  plugin_ = plugin;
+  listeners_.emplace(plugin, nullptr);
 }
 
-void AccessControl::Detach() {
+void AccessControl::Detach(Plugin* plugin) {
   const std::lock_guard lock(mutex_);
-  plugin_ = nullptr;
-  listener_ = nullptr;
-  present_.clear();
+  listeners_.erase(plugin);
+  std::erase_if(present_, [plugin](const auto& entry) { return entry.first.first == plugin; });
 }
 
-void AccessControl::Listen(const dds_security_access_control_listener* listener) {
+void AccessControl::Listen(Plugin* plugin, const dds_security_access_control_listener* listener) {
   const std::lock_guard lock(mutex_);
-  listener_ = listener;
+  listeners_.insert_or_assign(plugin, listener);
 }
 
 bool AccessControl::IsRefused(const std::string& name) const {
@@ -51,15 +48,15 @@ bool AccessControl::IsRefused(const std::string& name) const {
   return refused_.contains(name);
 }
 
-void AccessControl::Remember(std::int64_t permissions, Guard::Identity identity) {
+void AccessControl::Remember(Plugin* plugin, std::int64_t permissions, Guard::Identity identity) {
   const std::lock_guard lock(mutex_);
-  present_.insert_or_assign(permissions, Present{std::move(identity)});
+  present_.insert_or_assign(std::pair(plugin, permissions), Present{std::move(identity)});
 }
 
 // Cyclone ends it by a timer and says nothing.
-void AccessControl::Forget(std::int64_t permissions) {
+void AccessControl::Forget(Plugin* plugin, std::int64_t permissions) {
   const std::lock_guard lock(mutex_);
-  const auto found = present_.find(permissions);
+  const auto found = present_.find({plugin, permissions});
   if (found == present_.end()) return;
   const Guard::Identity& identity = found->second.identity;
   if (std::chrono::system_clock::now() >= identity.until) {
@@ -70,12 +67,12 @@ void AccessControl::Forget(std::int64_t permissions) {
 }
 
 // Cyclone leaves out whose it is, or all of it. The topic's name is the stranger's.
-void AccessControl::TellOfTrespass(std::int64_t permissions, const char* does,
+void AccessControl::TellOfTrespass(Plugin* plugin, std::int64_t permissions, const char* does,
                                    const char* topic) noexcept try {
   constexpr std::chrono::seconds kToldAgain{60};
   const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  const auto found = present_.find(permissions);
+  const auto found = present_.find({plugin, permissions});
   if (found == present_.end()) return;
   Present& present = found->second;
   if (present.told && now - *present.told < kToldAgain) return;
@@ -93,19 +90,24 @@ void AccessControl::Refuse(std::set<std::string> names) {
 
 // As when permissions end, which Cyclone's own plug-in tells by the same call.
 std::set<std::string> AccessControl::PutOut() {
-  std::vector<std::int64_t> handles;
+  struct Call {
+    const dds_security_access_control_listener* listener;
+    Plugin* plugin;
+    std::int64_t handle;
+  };
+  std::vector<Call> calls;
   std::set<std::string> names;
   std::unique_lock lock(mutex_);
-  for (const auto& [handle, present] : present_) {
+  for (const auto& [key, present] : present_) {
+    const auto& [plugin, handle] = key;
+    const auto listener = listeners_.find(plugin);
     if (!refused_.contains(present.identity.name)) continue;
-    handles.push_back(handle);
+    if (listener == listeners_.end() || listener->second == nullptr) continue;
+    calls.push_back({listener->second, plugin, handle});
     names.insert(present.identity.name);
   }
-  Plugin* const plugin = plugin_;
-  const dds_security_access_control_listener* const listener = listener_;
-  lock.unlock();  // the call comes back with Forget
-  if (plugin == nullptr || listener == nullptr) return {};
-  for (const std::int64_t handle : handles) listener->on_revoke_permissions(plugin, handle);
+  lock.unlock();  // the calls come back with Forget
+  for (const Call& call : calls) call.listener->on_revoke_permissions(call.plugin, call.handle);
   return names;
 }
 

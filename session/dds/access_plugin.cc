@@ -75,7 +75,7 @@ DDS_Security_PermissionsHandle Validate(
   const auto handle =
       original->validate(plugin, authentication, local, remote, permissions, credentials, why);
   if (handle != 0) {
-    original->ours->Remember(handle, std::move(identity));
+    original->ours->Remember(plugin, handle, std::move(identity));
   } else {  // the reason does not say whose
     const std::string reason = why->message == nullptr ? "" : why->message;
     DDS_Security_Exception_reset(why);
@@ -106,7 +106,7 @@ DDS_Security_boolean CheckWriter(Plugin* plugin, DDS_Security_PermissionsHandle 
                                  DDS_Security_SecurityException* why) noexcept {
   const auto original = TheOriginals().Of(plugin);
   const auto may = original->check_writer(plugin, handle, domain, writer, why);
-  if (!may) original->ours->TellOfTrespass(handle, "writes", writer->topic_name);
+  if (!may) original->ours->TellOfTrespass(plugin, handle, "writes", writer->topic_name);
   return may;
 }
 
@@ -117,14 +117,14 @@ DDS_Security_boolean CheckReader(Plugin* plugin, DDS_Security_PermissionsHandle 
                                  DDS_Security_SecurityException* why) noexcept {
   const auto original = TheOriginals().Of(plugin);
   const auto may = original->check_reader(plugin, handle, domain, reader, is_relay, why);
-  if (!may) original->ours->TellOfTrespass(handle, "reads", reader->topic_name);
+  if (!may) original->ours->TellOfTrespass(plugin, handle, "reads", reader->topic_name);
   return may;
 }
 
 DDS_Security_boolean ReturnHandle(Plugin* plugin, DDS_Security_PermissionsHandle handle,
                                   DDS_Security_SecurityException* why) noexcept {
   const auto original = TheOriginals().Of(plugin);
-  original->ours->Forget(handle);
+  original->ours->Forget(plugin, handle);
   return original->return_handle(plugin, handle, why);
 }
 
@@ -132,7 +132,7 @@ DDS_Security_boolean SetListener(Plugin* plugin,
                                  const dds_security_access_control_listener* listener,
                                  DDS_Security_SecurityException* why) noexcept {
   const auto original = TheOriginals().Of(plugin);
-  original->ours->Listen(listener);
+  original->ours->Listen(plugin, listener);
   return original->set_listener(plugin, listener, why);
 }
 
@@ -175,7 +175,7 @@ int Init(const char* argument, void** context, struct ddsi_domaingv* domain) {
 int Finalize(void* context) {
   Originals& all = TheOriginals();
   const auto original = all.Of(context);
-  original->ours->Detach();
+  original->ours->Detach(static_cast<Plugin*>(context));
   const int result = original->finalize(context);  // what is left of it may still call us
   {
     const std::lock_guard lock(all.mutex);

@@ -15,8 +15,8 @@ class AccessControl;
 }
 
 /// Keeps others off a participant with DDS Security although their credentials are good: Cyclone
-/// knows a revocation list only as it was when the participant was made. Serves one participant at
-/// a time. Thread-safe.
+/// knows a revocation list only as it was when the participant was made. May serve several at a
+/// time. Thread-safe.
 class Guard {
  public:
   /// Whom a certificate is for, and when it ends. Nobody comes without a name.
@@ -34,7 +34,7 @@ class Guard {
   /// kept out any longer. Those who are here stay until `PutOut`.
   void Refuse(std::set<std::string> names);
   /// Ends the connections of those who are here and refused: they hear and say nothing more.
-  /// Returns their names. To be called while the participant lives.
+  /// Returns their names. To be called while the participants live.
   std::set<std::string> PutOut();
 
   /// Logs who has come and shown no credentials that are good. To be called now and then.

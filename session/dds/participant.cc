@@ -83,7 +83,7 @@ Result<void> CheckServerAddress(const ParticipantOptions& options, in_addr addre
                      options.server, std::strerror(errno));
   }
   const in_addr any{.s_addr = htonl(INADDR_ANY)};  // as DDS binds
-  const int port = ServerPort(options.domain);
+  const int port = ServerPort(options.domain, options.slice);
   if (CanBind(any, port) && CanBind(any, port + 1)) return {};
   return MakeError(ErrorCode::kConflict,
                    "DDS domain {}: UDP ports {} and {} are taken; is another server running there?",
@@ -108,8 +108,9 @@ std::string ConfigurationXml(const ParticipantOptions& options, const std::strin
       "<MaxSampleSize>{} B</MaxSampleSize>"
       "<Watermarks><WhcHigh>256 MB</WhcHigh><WhcHighInit>256 MB</WhcHighInit></Watermarks>"
       "<Test><XmitLossiness>{}</XmitLossiness></Test></Internal></Domain></CycloneDDS>",
-      interface, options.domain, is_server ? "0" : "none", server, ServerPort(options.domain),
-      options.lease, options.max_sample_bytes, options.transmit_loss_per_mille);
+      interface, options.domain, is_server ? std::to_string(options.slice) : "none", server,
+      ServerPort(options.domain, options.slice), options.lease, options.max_sample_bytes,
+      options.transmit_loss_per_mille);
 }
 
 /// Domain numbers inside the process are ours to choose; the one on the wire is in the XML. What is
@@ -182,6 +183,10 @@ Result<void> ParticipantOptions::Validate() const {
     return MakeError(ErrorCode::kInvalidArgument, "DDS domain: expected [0, 230], found {}",
                      domain);
   }
+  if (slice < 0 || slice >= kMaxSlices) {
+    return MakeError(ErrorCode::kInvalidArgument, "slice: expected [0, {}], found {}",
+                     kMaxSlices - 1, slice);
+  }
   if (transmit_loss_per_mille < 0 || transmit_loss_per_mille > 999) {
     return MakeError(ErrorCode::kInvalidArgument, "transmit loss: expected [0, 999], found {}",
                      transmit_loss_per_mille);
@@ -192,7 +197,8 @@ Result<void> ParticipantOptions::Validate() const {
   return {};
 }
 
-int ServerPort(int domain) { return 7400 + 250 * domain + 10; }
+// As DDSI numbers them: 250 to a domain, two to a participant.
+int ServerPort(int domain, int slice) { return 7400 + 250 * domain + 10 + 2 * slice; }
 
 Result<Participant> Participant::Create(const ParticipantOptions& options) {
   WAYMARK_TRY(options.Validate());
@@ -201,7 +207,8 @@ Result<Participant> Participant::Create(const ParticipantOptions& options) {
   if (options.role == ParticipantOptions::Role::kServer) {
     WAYMARK_TRY(CheckServerAddress(options, server));
   } else {
-    WAYMARK_TRY_ASSIGN(interface, FindLocalAddress(server, ServerPort(options.domain)));
+    WAYMARK_TRY_ASSIGN(interface,
+                       FindLocalAddress(server, ServerPort(options.domain, options.slice)));
   }
   const std::string xml = ConfigurationXml(options, AddressText(interface), AddressText(server));
   const bool is_secure = !options.security_folder.empty();

@@ -17,7 +17,8 @@ struct ParticipantOptions {
   enum class Role { kServer, kClient };
 
   Role role = Role::kClient;
-  int domain = 0;                    ///< [0, 230]; decides the server's UDP ports
+  int domain = 0;  ///< [0, 230]; decides the server's UDP ports
+  int slice = 0;   ///< of the domain, [0, kMaxSlices): one server participant each
   std::string server = "127.0.0.1";  ///< host name or IPv4 address; for the server its own
   std::string lease = "3 s";         ///< a silent peer is dropped after this
   /// Folder of what DDS Security needs (session/keys): certificate.pem, key.pem, identity_ca.pem,
@@ -30,8 +31,12 @@ struct ParticipantOptions {
   Result<void> Validate() const;
 };
 
-/// The UDP port on which the server of a domain is found.
-int ServerPort(int domain);
+/// A domain's discovery grows with the square of its participants, because all hear of the
+/// endpoints of each. So a server may cut it into slices, which know nothing of each other.
+inline constexpr int kMaxSlices = 64;
+
+/// The UDP port on which the server of a domain's slice is found; the next one is its as well.
+int ServerPort(int domain, int slice);
 
 /// A DDS domain of its own with one participant in it; several in one process do not share state.
 /// Thread-safe.

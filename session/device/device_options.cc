@@ -2,6 +2,7 @@
 #include "session/device/device_options.h"
 
 #include "session/state/messages.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session {
 
@@ -13,6 +14,7 @@ Result<void> CorrectionOptions::Validate() const {
 }
 
 Result<void> DeviceOptions::Validate() const {
+  WAYMARK_TRY(wire::CheckSlices(dds_slices));
   if (jpeg_quality < 30 || jpeg_quality > 100) {
     return MakeError(ErrorCode::kInvalidArgument, "JPEG quality: expected [30, 100], found {}",
                      jpeg_quality);

@@ -43,6 +43,7 @@ struct DeviceOptions {
   /// or ws://HOST:PORT without TLS.
   std::string server = "127.0.0.1";
   int dds_domain = 0;  ///< [0, 230]; over DDS, must equal the server's
+  int dds_slices = 1;  ///< [1, 64]; over DDS, into how many the server cuts its bus
   /// PEM file of who vouches for a wss:// gateway; empty: the system's authorities.
   std::string authority_file = {};
   /// Of the device's credentials for DDS Security (session/keys); over DDS, where the server has

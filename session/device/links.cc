@@ -6,6 +6,7 @@
 #include "session/device/internal/area_desk.h"
 #include "session/device/internal/socket_link.h"
 #include "session/wire/device_bus.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session::internal {
 namespace {
@@ -17,6 +18,7 @@ Result<std::unique_ptr<wire::DeviceLink>> MakeBus(const DeviceOptions& options,
       dds::Participant participant,
       dds::Participant::Create({.role = dds::ParticipantOptions::Role::kClient,
                                 .domain = options.dds_domain,
+                                .slice = wire::SliceOf(options.room, options.dds_slices),
                                 .server = options.server,
                                 .security_folder = options.security_folder,
                                 .transmit_loss_per_mille = options.transmit_loss_per_mille}));

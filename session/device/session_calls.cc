@@ -5,6 +5,7 @@
 
 #include "session/device/agreement.h"
 #include "session/device/internal/live_session.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session {
 namespace internal {
@@ -16,6 +17,11 @@ constexpr std::chrono::milliseconds kMinReportInterval{15};  // 60 Hz reach othe
 
 std::string LiveSession::ServerName() const {
   if (options_.server.find("://") != std::string::npos) return "gateway " + options_.server;
+  if (options_.dds_slices > 1) {
+    return fmt::format("server {} (DDS domain {}, slice {} of {})", options_.server,
+                       options_.dds_domain, wire::SliceOf(options_.room, options_.dds_slices),
+                       options_.dds_slices);
+  }
   return fmt::format("server {} (DDS domain {})", options_.server, options_.dds_domain);
 }
 

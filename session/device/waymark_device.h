@@ -70,11 +70,11 @@ WaymarkStatus waymark_options_create(WaymarkOptions* options);
  * one owner know and nobody else: what one places belongs to all), "authority_file",
  * "security_folder", "tile_folder" (a small map to localise against while the server is away). */
 WaymarkStatus waymark_options_set_text(WaymarkOptions options, const char* name, const char* text);
-/* Numbers: "dds_domain", "keyframe_interval_s", "request_timeout_s", "adaptive_images" (0 or 1),
- * "jpeg_quality", "sent_features" (so many are sent instead of pixels; 0: pixels),
- * "burst_images" (so many keyframes are asked as one where the newest is not found alone, 1 to 16),
- * "tile_patience_s", "anchor_radius_m" (of anchors those so near are told; 0: all of the room),
- * "stamps_are_steady" (1: time is waymark_steady_time_ns, CLOCK_MONOTONIC). */
+/* Numbers: "dds_domain", "dds_slices", "keyframe_interval_s", "request_timeout_s",
+ * "adaptive_images" (0 or 1), "jpeg_quality", "sent_features" (so many are sent instead of pixels;
+ * 0: pixels), "burst_images" (so many keyframes are asked as one where the newest is not found
+ * alone, 1 to 16), "tile_patience_s", "anchor_radius_m" (of anchors those so near are told; 0: all
+ * of the room), "stamps_are_steady" (1: time is waymark_steady_time_ns, CLOCK_MONOTONIC). */
 WaymarkStatus waymark_options_set_number(WaymarkOptions options, const char* name, double number);
 WaymarkStatus waymark_options_destroy(WaymarkOptions options);
 

@@ -2,11 +2,11 @@
 #include "session/gateway/gateway.h"
 
 #include <map>
-#include <random>
 #include <set>
 #include <utility>
 
 #include "mapping/base/log.h"
+#include "session/gateway/bus_lines.h"
 #include "session/gateway/join_gate.h"
 #include "session/gateway/phone.h"
 #include "session/gateway/rooms.h"
@@ -14,6 +14,7 @@
 
 namespace waymark::session {
 
+using internal::BusLines;
 using internal::GatewayTally;
 using internal::Phone;
 
@@ -25,27 +26,22 @@ keys::WallTime WallNow() {
   return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
-std::uint64_t RandomBits() {
-  std::random_device device;
-  return std::uint64_t{device()} << 32 | device();
-}
-
 }  // namespace
 
 /// Knows all connections, and which of them speaks for a device.
 class Gateway::Hub {
  public:
-  Hub(const GatewayOptions& options, dds::Participant participant)
+  Hub(const GatewayOptions& options, BusLines lines)
       : options_(options),
-        participant_(std::make_shared<dds::Participant>(std::move(participant))),
+        lines_(std::move(lines)),
         gate_(options.door, options.max_joins_per_s),
         loop_(options.threads),
-        rooms_(participant_, options.relay, loop_) {}
+        rooms_(lines_, options.relay, loop_) {}
 
   ~Hub() {
     listener_.reset();
     loop_.Stop();
-    line_.reset();
+    lines_.Close();
     for (const PhonePtr& phone : connections_) {
       TakeOffTheBus(phone, true);  // before the loop they post to
     }
@@ -54,9 +50,7 @@ class Gateway::Hub {
   }
 
   Result<void> Listen() {
-    WAYMARK_TRY_ASSIGN(line_,
-                       wire::GatewayLine::Create(participant_, GatewayId{RandomBits()},
-                                                 [this](const ClockPong& pong) { Hand(pong); }));
+    WAYMARK_TRY(lines_.Listen([this](const ClockPong& pong) { Hand(pong); }));
     FlushAgain();
     WAYMARK_TRY_ASSIGN(listener_, socket::Listen(loop_, options_.listen,
                                                  [this](std::shared_ptr<socket::Channel> channel) {
@@ -81,7 +75,7 @@ class Gateway::Hub {
 
   void Admit(std::shared_ptr<socket::Channel> channel) {
     const auto phone = std::make_shared<Phone>(
-        channel, options_, tally_, *line_,
+        channel, options_, tally_, lines_,
         Phone::Calls{.find_objection =
                          [this](const Hello& hello, const std::string& peer) {
                            return gate_.FindObjection(hello, peer, WallNow(),
@@ -167,13 +161,13 @@ class Gateway::Hub {
 
   void FlushAgain() {
     loop_.PostAfter(kGathering, [this] {
-      line_->Flush();
+      lines_.Flush();
       FlushAgain();
     });
   }
 
   const GatewayOptions options_;
-  const std::shared_ptr<dds::Participant> participant_;
+  BusLines lines_;
   GatewayTally tally_;
   internal::JoinGate gate_;
   socket::SocketLoop loop_;
@@ -182,13 +176,12 @@ class Gateway::Hub {
   std::map<DeviceId, PhonePtr> devices_;  // guarded by mutex_
   std::unique_ptr<socket::Listener> listener_;
   internal::GatewayRooms rooms_;
-  std::unique_ptr<wire::GatewayLine> line_;  // last: its threads use all of the above
 };
 
 Result<std::unique_ptr<Gateway>> Gateway::Start(const GatewayOptions& options) {
   WAYMARK_TRY(options.Validate());
-  WAYMARK_TRY_ASSIGN(dds::Participant participant, dds::Participant::Create(options.dds));
-  auto hub = std::make_unique<Hub>(options, std::move(participant));
+  WAYMARK_TRY_ASSIGN(BusLines lines, BusLines::Connect(options.dds, options.slices));
+  auto hub = std::make_unique<Hub>(options, std::move(lines));
   WAYMARK_TRY(hub->Listen());
   return std::unique_ptr<Gateway>(new Gateway(std::move(hub)));
 }

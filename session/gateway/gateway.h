@@ -16,7 +16,8 @@ namespace waymark::session {
 
 struct GatewayOptions {
   socket::ListenOptions listen = {};         ///< for phones
-  dds::ParticipantOptions dds = {};          ///< as a client of the server
+  dds::ParticipantOptions dds = {};          ///< as a client of the server; on each slice
+  int slices = 1;                            ///< into how many the server cuts the bus, [1, 64]
   int threads = 2;                           ///< that carry sockets, >= 1
   std::size_t max_phones = 4000;             ///< at once; further ones are sent away, >= 1
   double max_messages_per_s = 300;           ///< of a phone; what is beyond is dropped, > 0

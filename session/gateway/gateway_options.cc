@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include "session/gateway/gateway.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session {
 
 Result<void> GatewayOptions::Validate() const {
   WAYMARK_TRY(dds.Validate());
+  WAYMARK_TRY(wire::CheckSlices(slices));
   const socket::ServerTls& tls = listen.tls;
   if (tls.certificate_chain_file.empty() != tls.private_key_file.empty()) {
     return MakeError(ErrorCode::kInvalidArgument, "TLS: expected both a certificate and a key");

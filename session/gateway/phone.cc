@@ -18,10 +18,10 @@ constexpr int kMaxRejected = 20;  // a broken client is told so, a hostile one i
 }  // namespace
 
 Phone::Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
-             GatewayTally& tally, wire::GatewayLine& line, Calls calls)
+             GatewayTally& tally, BusLines& lines, Calls calls)
     : channel_(std::move(channel)),
       tally_(tally),
-      line_(line),
+      lines_(lines),
       calls_(std::move(calls)),
       messages_(options.max_messages_per_s),
       bytes_(options.max_bytes_per_s) {}
@@ -97,9 +97,9 @@ void Phone::Say(wire::Upward message) {
   if (const auto* report = std::get_if<PoseReport>(&message)) {
     if (report->ticket != ticket_) return;
     stance_.gaze_in_map = report->pose.gaze_in_map;
-    line_.Gather(*report);
+    lines_.LineOf(hello_->room).Gather(*report);
   } else if (const auto* ping = std::get_if<ClockPing>(&message)) {
-    if (ping->ticket == ticket_) line_.Gather(*ping);
+    if (ping->ticket == ticket_) lines_.LineOf(hello_->room).Gather(*ping);
   } else {
     lock.unlock();
     (void)room->line().Send(message);

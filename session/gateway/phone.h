@@ -8,9 +8,9 @@
 #include <mutex>
 #include <optional>
 
+#include "session/gateway/bus_lines.h"
 #include "session/gateway/gateway.h"
 #include "session/wire/allowance.h"
-#include "session/wire/gateway_line.h"
 #include "session/wire/parts.h"
 #include "session/wire/room_line.h"
 
@@ -40,7 +40,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   };
 
   Phone(std::shared_ptr<socket::Channel> channel, const GatewayOptions& options,
-        GatewayTally& tally, wire::GatewayLine& line, Calls calls);
+        GatewayTally& tally, BusLines& lines, Calls calls);
 
   /// Listens to the connection.
   void Start();
@@ -92,7 +92,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
 
   const std::shared_ptr<socket::Channel> channel_;
   GatewayTally& tally_;
-  wire::GatewayLine& line_;
+  BusLines& lines_;
   const Calls calls_;
   wire::Allowance messages_, bytes_;
   wire::PartCollector parts_{socket::kMaxFrameBytes};

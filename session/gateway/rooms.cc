@@ -8,7 +8,7 @@ Result<std::shared_ptr<Room>> GatewayRooms::Enter(const std::shared_ptr<Phone>& 
   const std::lock_guard lock(mutex_);
   auto found = open_.find(room);
   if (found == open_.end()) {
-    WAYMARK_TRY_ASSIGN(auto opened, Room::Open(participant_, room, relay_, loop_));
+    WAYMARK_TRY_ASSIGN(auto opened, Room::Open(lines_.ParticipantOf(room), room, relay_, loop_));
     found = open_.emplace(room, std::move(opened)).first;
   }
   found->second->Enter(phone);

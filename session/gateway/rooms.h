@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 
+#include "session/gateway/bus_lines.h"
 #include "session/gateway/room.h"
 
 namespace waymark::session::internal {
@@ -13,16 +14,15 @@ namespace waymark::session::internal {
 /// Thread-safe.
 class GatewayRooms {
  public:
-  GatewayRooms(std::shared_ptr<dds::Participant> participant, const RelayOptions& relay,
-               socket::SocketLoop& loop)
-      : participant_(std::move(participant)), relay_(relay), loop_(loop) {}
+  GatewayRooms(const BusLines& lines, const RelayOptions& relay, socket::SocketLoop& loop)
+      : lines_(lines), relay_(relay), loop_(loop) {}
 
   /// Errors: those of Room::Open.
   Result<std::shared_ptr<Room>> Enter(const std::shared_ptr<Phone>& phone, const RoomId& room);
   void Leave(const std::shared_ptr<Phone>& phone, const RoomId& room);
 
  private:
-  const std::shared_ptr<dds::Participant> participant_;
+  const BusLines& lines_;
   const RelayOptions relay_;
   socket::SocketLoop& loop_;
   std::mutex mutex_;

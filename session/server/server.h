@@ -21,6 +21,7 @@ namespace waymark::session {
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< of the interface to serve on
   int dds_domain = 0;                 ///< [0, 230]
+  int slices = 1;                     ///< of the bus, [1, 64]; each holds some of the rooms
   double frame_hz = 30;               ///< pose batches per second to a listener, [1, 60]
   int transmit_loss_per_mille = 0;    ///< own packets thrown away; for tests of bad links
   /// Of the server's credentials for DDS Security (session/keys); empty: DDS is open.

@@ -81,10 +81,10 @@ Result<void> Server::Loop::Start(const ServerOptions& options) {
     if (door_) guard_->Refuse(door_->RevokedNames());
     bus.guard = guard_.get();
   }
-  WAYMARK_TRY_ASSIGN(
-      bus_, wire::ServerBus::Create(
-                bus, options.share, [this](wire::Upward message) { Receive(std::move(message)); },
-                [this](GatewayReport report) { Receive(std::move(report)); }));
+  WAYMARK_TRY_ASSIGN(bus_, wire::ServerBus::Create(
+                               bus, options.slices, options.share,
+                               [this](wire::Upward message) { Receive(std::move(message)); },
+                               [this](GatewayReport report) { Receive(std::move(report)); }));
   publisher_.emplace(*bus_, options.relay, counters_, Now);
   thread_ = std::thread([this] { Work(); });
   return {};

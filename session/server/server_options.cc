@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "session/server/server.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session {
 
@@ -23,6 +24,7 @@ Result<void> ServerOptions::Validate() const {
                      "share: expected more than 0 messages and bytes a second, found {} and {}",
                      share.messages_per_s, share.bytes_per_s);
   }
+  WAYMARK_TRY(wire::CheckSlices(slices));
   WAYMARK_TRY(localise.Validate());
   WAYMARK_TRY(state.Validate());
   WAYMARK_TRY(relay.Validate());

@@ -44,6 +44,8 @@ void ParseArguments(CLI::App& app, Arguments& arguments) {
   app.add_option("--server", options.dds.server, "host or address of waymark-serve")
       ->capture_default_str();
   app.add_option("--domain", options.dds.domain, "its DDS domain, 0 to 230")->capture_default_str();
+  app.add_option("--slices", options.slices, "into how many it cuts its bus")
+      ->capture_default_str();
   app.add_option("--threads", options.threads, "that carry connections")->capture_default_str();
   app.add_option("--max-phones", options.max_phones, "at once; others are sent away")
       ->capture_default_str();

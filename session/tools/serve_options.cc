@@ -51,6 +51,11 @@ void AddServeOptions(CLI::App& app, ServeArguments& arguments) {
       ->required();
   app.add_option("--domain", arguments.server.dds_domain, "DDS domain, 0 to 230")
       ->capture_default_str();
+  app.add_option("--slices", arguments.server.slices,
+                 "Cut the bus into so many, 1 to 64, where hundreds of devices come without a "
+                 "gateway: those in other slices' rooms cost a device nothing. UDP ports 7410 + "
+                 "250 domain and up, two to a slice; devices and gateways must be told the same")
+      ->capture_default_str();
   app.add_option("--address", arguments.server.address, "Address of the interface to serve on")
       ->capture_default_str();
   app.add_option("--frame-rate", arguments.server.frame_hz, "Pose batches per second to each phone")

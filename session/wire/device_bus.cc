@@ -36,6 +36,17 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
 
 }  // namespace
 
+/// What is said to others in its slice is not for it.
+DeviceLink::Handler ForOwnEars(DeviceLink::Handler handler, const DeviceId& device) {
+  return [handler = std::move(handler), device](DeviceLink::Event event) {
+    if (const auto* message = std::get_if<Downward>(&event)) {
+      const auto* const welcome = std::get_if<Welcome>(message);
+      if (welcome != nullptr && welcome->device != device) return;
+    }
+    handler(std::move(event));
+  };
+}
+
 struct DeviceBus::Impl {
   UpWriters writers;
   DeviceId device;
@@ -59,7 +70,7 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device, scope));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
-  WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), handler));
+  WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), ForOwnEars(handler, device)));
   WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<PoseBatch>(DevicePartition(room, device), handler));
   WAYMARK_TRY(scope == AnchorScope::kRoom ? readers.ListenToAnchors(room, handler)

@@ -10,6 +10,7 @@ Result<AreaWriters*> ServerBus::Impl::OpenArea(const DeviceId& device) {
   if (found == devices.end()) return NotOpen("device", device.text());
   DeviceWriters& writers = found->second;
   if (!writers.area) {
+    dds::Participant& participant = ParticipantOf(writers.room);
     WAYMARK_TRY_ASSIGN(auto anchors,
                        dds::Writer::Create(participant, AreaAnchorTopic(), writers.partition));
     WAYMARK_TRY_ASSIGN(auto state, MakeWriter<AreaState>(participant, writers.partition));

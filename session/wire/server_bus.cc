@@ -23,26 +23,28 @@ void End(dds::Writer& writer, const DeviceId& device) {
 
 }  // namespace
 
-Result<void> ServerBus::Impl::ListenForHello(const Handler& handler) {
+Result<void> ServerBus::Impl::ListenForHello(std::size_t slice, const Handler& handler) {
   const dds::Topic topic = TopicOf<Hello>();
   WAYMARK_TRY_ASSIGN(
       dds::Reader reader,
-      dds::Reader::Create(
-          participant, topic, AnyUpPartition(),
-          [this, handler](dds::Arrival arrival, const void* sample, const dds::Source& source) {
-            // A goodbye that is lost here is made up for by silence.
-            if (!shares.Take(source.Partition(), 0, std::chrono::steady_clock::now())) return;
-            const auto& wire = *static_cast<const waymark_Hello*>(sample);
-            Result<Upward> word = HearHello(arrival, wire, source);
-            if (word.ok()) return handler(*std::move(word));
-            if (rejected++ == 0) LogWarning("hello: {}", ToString(word.error()));
-          }));
+      dds::Reader::Create(slices[slice].participant, topic, AnyUpPartition(),
+                          [this, slice, handler](dds::Arrival arrival, const void* sample,
+                                                 const dds::Source& source) {
+                            // A goodbye that is lost here is made up for by silence.
+                            if (!shares.Take(source.Partition(), 0,
+                                             std::chrono::steady_clock::now()))
+                              return;
+                            const auto& wire = *static_cast<const waymark_Hello*>(sample);
+                            Result<Upward> word = HearHello(slice, arrival, wire, source);
+                            if (word.ok()) return handler(*std::move(word));
+                            if (rejected++ == 0) LogWarning("hello: {}", ToString(word.error()));
+                          }));
   readers.push_back(std::move(reader));
   return {};
 }
 
-Result<Upward> ServerBus::Impl::HearHello(dds::Arrival arrival, const waymark_Hello& wire,
-                                          const dds::Source& source) {
+Result<Upward> ServerBus::Impl::HearHello(std::size_t slice, dds::Arrival arrival,
+                                          const waymark_Hello& wire, const dds::Source& source) {
   const auto device = GetId<DeviceId>(wire.device);
   if (arrival == dds::Arrival::kLost) return Upward(Farewell{device, true});
   const std::string partition = source.Partition();
@@ -55,8 +57,26 @@ Result<Upward> ServerBus::Impl::HearHello(dds::Arrival arrival, const waymark_He
   WAYMARK_TRY_ASSIGN(Hello hello, Decode(wire));
   const bool is_by_gateway = partition == GatewayUpPartition(hello.room);
   if (!is_by_gateway && partition != UpPartition(hello.room, device)) return NotItsOwn(device);
+  if (&SliceFor(hello.room) != &slices[slice]) return SendElsewhere(slice, hello);
   Remember(device, is_by_gateway ? Way::kByGateway : Way::kItself);
   return Upward(std::move(hello));
+}
+
+// It may be that it hears this too late to be told again: it says Hello until it is answered.
+Error ServerBus::Impl::SendElsewhere(std::size_t slice, const Hello& hello) {
+  const auto count = static_cast<int>(slices.size());
+  Error elsewhere = MakeError(ErrorCode::kInvalidArgument,
+                              "device {}: came to slice {} of the bus; expected slice {} of {}, "
+                              "where room {} is: both ends "
+                              "must know into how many slices it is cut (--slices {})",
+                              hello.device.text(), slice, SliceOf(hello.room, count), count,
+                              hello.room.text(), count);
+  (void)Write(slices[slice].refusals, Welcome{.device = hello.device,
+                                              .attempt = hello.attempt,
+                                              .verdict = JoinVerdict::kInvalid,
+                                              .reason = elsewhere.message});
+  End<waymark_Welcome>(slices[slice].refusals, hello.device);
+  return elsewhere;
 }
 
 void ServerBus::Impl::Remember(const DeviceId& device, Way way) {
@@ -75,26 +95,50 @@ std::optional<Way> ServerBus::Impl::FindWay(const DeviceId& device) {
 ServerBus::ServerBus(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 ServerBus::~ServerBus() = default;
 
-Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptions& options,
-                                                     const ShareOptions& share, Handler handler,
-                                                     GatewayHandler gateway_handler) {
+Result<void> ServerBus::Impl::Open(const dds::ParticipantOptions& options) {
   WAYMARK_TRY_ASSIGN(dds::Participant participant, dds::Participant::Create(options));
   WAYMARK_TRY_ASSIGN(auto pongs, MakeWriter<GatewayPongs>(participant, kGatewaysDown));
-  auto impl = std::make_unique<Impl>(std::move(participant), std::move(pongs), share);
-  WAYMARK_TRY(impl->ListenForHello(handler));
-  WAYMARK_TRY(impl->Listen<PoseReport>(handler));
-  WAYMARK_TRY(impl->Listen<LocaliseQuery>(handler));
-  WAYMARK_TRY(impl->Listen<AnchorCommand>(handler));
-  WAYMARK_TRY(impl->Listen<ClockPing>(handler));
-  WAYMARK_TRY(impl->Listen<GatewayReport>(kGatewaysUp, std::move(gateway_handler)));
-  WAYMARK_TRY(impl->Listen<RoomCommand>(handler));
-  WAYMARK_TRY(impl->Listen<AreaReport>(handler));
+  WAYMARK_TRY_ASSIGN(auto refusals, MakeWriter<Welcome>(participant, AnyDevicePartition()));
+  slices.push_back(Slice{std::move(participant), std::move(pongs), std::move(refusals)});
+  return {};
+}
+
+Result<void> ServerBus::Impl::Listen(std::size_t slice, const Handler& handler,
+                                     const GatewayHandler& gateway_handler) {
+  WAYMARK_TRY(ListenForHello(slice, handler));
+  WAYMARK_TRY(Listen<PoseReport>(slices[slice], handler));
+  WAYMARK_TRY(Listen<LocaliseQuery>(slices[slice], handler));
+  WAYMARK_TRY(Listen<AnchorCommand>(slices[slice], handler));
+  WAYMARK_TRY(Listen<ClockPing>(slices[slice], handler));
+  WAYMARK_TRY(Listen<RoomCommand>(slices[slice], handler));
+  WAYMARK_TRY(Listen<AreaReport>(slices[slice], handler));
+  WAYMARK_TRY_ASSIGN(
+      dds::Reader gateways,
+      MakeReader<GatewayReport>(slices[slice].participant, kGatewaysUp, rejected, gateway_handler));
+  readers.push_back(std::move(gateways));
+  return {};
+}
+
+Result<std::unique_ptr<ServerBus>> ServerBus::Create(const dds::ParticipantOptions& options,
+                                                     int slices, const ShareOptions& share,
+                                                     Handler handler,
+                                                     GatewayHandler gateway_handler) {
+  WAYMARK_TRY(CheckSlices(slices));
+  auto impl = std::make_unique<Impl>(share);
+  dds::ParticipantOptions of_slice = options;
+  for (of_slice.slice = 0; of_slice.slice < slices; ++of_slice.slice) {
+    WAYMARK_TRY(impl->Open(of_slice));
+  }
+  // Readers come last: from then on DDS threads see all of this.
+  for (std::size_t slice = 0; slice < impl->slices.size(); ++slice) {
+    WAYMARK_TRY(impl->Listen(slice, handler, gateway_handler));
+  }
   return std::unique_ptr<ServerBus>(new ServerBus(std::move(impl)));
 }
 
 Result<void> ServerBus::OpenRoom(const RoomId& room) {
   if (impl_->rooms.contains(room)) return {};
-  dds::Participant& participant = impl_->participant;
+  dds::Participant& participant = impl_->ParticipantOf(room);
   const std::string partition = DownPartition(room);
   WAYMARK_TRY_ASSIGN(auto presence, MakeWriter<Presence>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto poses, MakeWriter<PoseBatch>(participant, partition));
@@ -116,6 +160,7 @@ Result<void> ServerBus::OpenDevice(const RoomId& room, const DeviceId& device) {
 }
 
 Result<void> ServerBus::Impl::OpenOwn(const RoomId& room, const DeviceId& device) {
+  dds::Participant& participant = ParticipantOf(room);
   const std::string partition = DevicePartition(room, device);
   WAYMARK_TRY_ASSIGN(auto welcome, MakeWriter<Welcome>(participant, partition));
   WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));
@@ -127,13 +172,14 @@ Result<void> ServerBus::Impl::OpenOwn(const RoomId& room, const DeviceId& device
   devices.insert_or_assign(
       device, DeviceWriters{std::move(welcome), std::move(answers), std::move(replies),
                             std::move(own_anchors), std::move(own_states), std::move(pongs),
-                            std::move(poses), partition});
+                            std::move(poses), room, partition});
   return {};
 }
 
 Result<void> ServerBus::Impl::OpenByGateway(const RoomId& room, const DeviceId& device) {
   auto found = gateway_writers.find(room);
   if (found == gateway_writers.end()) {
+    dds::Participant& participant = ParticipantOf(room);
     const std::string partition = GatewayDownPartition(room);
     WAYMARK_TRY_ASSIGN(auto welcome, MakeWriter<Welcome>(participant, partition));
     WAYMARK_TRY_ASSIGN(auto answers, MakeWriter<LocaliseAnswer>(participant, partition));

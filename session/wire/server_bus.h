@@ -17,9 +17,11 @@ class ServerBus {
   using Handler = std::function<void(Upward)>;
   using GatewayHandler = std::function<void(GatewayReport)>;
 
+  /// Cut into `slices`, each with a participant of its own, see slices.h. Who comes to another
+  /// slice than its room's is told to which. Errors: InvalidArgument, those of Participant::Create.
   static Result<std::unique_ptr<ServerBus>> Create(const dds::ParticipantOptions& options,
-                                                   const ShareOptions& share, Handler handler,
-                                                   GatewayHandler gateway_handler);
+                                                   int slices, const ShareOptions& share,
+                                                   Handler handler, GatewayHandler gateway_handler);
   ~ServerBus();
 
   /// What is published to a room that is not open, or sent to a device that is not, goes nowhere.

@@ -111,7 +111,13 @@ void ServerBus::Forget(const DeviceId& device, const std::string& owner) {
   }
 }
 Result<void> ServerBus::Send(const GatewayPongs& pongs) {
-  return Write(impl_->gateway_pongs, pongs);
+  // All of them stand in rooms of the slice from which the gateway reported of them.
+  if (pongs.pongs.empty()) return {};
+  const auto phone = impl_->phones.find(pongs.pongs.front().device);
+  if (phone == impl_->phones.end()) {
+    return NotOpen("device", pongs.pongs.front().device.text());
+  }
+  return Write(impl_->SliceFor(phone->second).gateway_pongs, pongs);
 }
 
 }  // namespace waymark::session::wire

@@ -117,6 +117,22 @@ TEST_F(DdsRevocation, WhoWasRevokedBeforeItCameDoesNotComeIn) {
   EXPECT_EQ(StopServer().refusals, 0u) << "its Hello was not even heard";
 }
 
+TEST_F(DdsRevocation, ADeviceOnAnySliceIsPutOut) {
+  anna_.reset();
+  StopServer();
+  options_.slices = 4;  // the room is on the third
+  StartServer();
+  const auto anna = Join(WithToken(kAnna, Issue(kAnna)));
+  const auto ben = Join(WithToken(kMallory, Issue(kMallory)));
+  ASSERT_TRUE(anna && ben);
+  ASSERT_TRUE(Eventually([&] { return Sees(*anna, kMallory); }));
+  Revoke("device", kMallory.text());
+  EXPECT_TRUE(Eventually([&] { return !Sees(*anna, kMallory); }));
+  EXPECT_TRUE(Eventually(
+      [&] { return log_->Has(kMallory.text() + ": was revoked, its connection to DDS ends"); }));
+  EXPECT_TRUE(anna->Standing().is_in);
+}
+
 // A restart knows the list from the beginning.
 TEST_F(DdsRevocation, AServerThatStartsKnowsWhoIsRevoked) {
   const std::string credentials = Issue(kMallory);

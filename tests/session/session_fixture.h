@@ -158,6 +158,7 @@ class SessionTest : public testing::Test {
     auto gateway = Gateway::Start(
         {.listen = {.port = port},
          .dds = {.domain = domain_, .transmit_loss_per_mille = device_loss_per_mille_},
+         .slices = options_.slices,
          .door = authority_ ? std::shared_ptr(OpenDoor()) : nullptr});
     ASSERT_TRUE(gateway.ok()) << ToString(gateway.error());
     gateway_ = *std::move(gateway);
@@ -174,6 +175,7 @@ class SessionTest : public testing::Test {
         gateway_ ? fmt::format("ws://127.0.0.1:{}", gateway_->port()) : "127.0.0.1";
     return {.server = server,
             .dds_domain = domain_,
+            .dds_slices = options_.slices,
             .room = RoomId(room),
             .name = name,
             .keyframe_interval = std::chrono::duration<double>(0.02),

@@ -15,6 +15,9 @@ void AddJoining(CLI::App& app, session::DeviceOptions& device) {
   app.add_option("--domain", device.dds_domain, "DDS domain of the server")
       ->capture_default_str()
       ->check(CLI::Range(0, 230));
+  app.add_option("--slices", device.dds_slices, "into how many the server cuts its bus")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
   app.add_option_function<std::string>(
       "--room", [&](const std::string& room) { device.room = RoomId(room); },
       "room to join, lobby without it");

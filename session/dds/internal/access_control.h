@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "session/dds/guard.h"
 #include "session/dds/internal/strangers.h"
@@ -45,18 +46,20 @@ class AccessControl {
   std::set<std::string> PutOut();
   Strangers& strangers() { return strangers_; }
 
-  // For the plug-in.
-  void Attach(dds_security_access_control* plugin);
-  void Detach();
-  void Listen(const dds_security_access_control_listener* listener);
+  // For the plug-in, of which each participant has one.
+  using Plugin = dds_security_access_control;
+  void Attach(Plugin* plugin);
+  void Detach(Plugin* plugin);
+  void Listen(Plugin* plugin, const dds_security_access_control_listener* listener);
   Guard::Identity IdentityOf(std::string_view certificate_pem) const {
     return identity_of_(certificate_pem);
   }
   bool IsRefused(const std::string& name) const;
-  void Remember(std::int64_t permissions, Guard::Identity identity);
-  void Forget(std::int64_t permissions);
+  void Remember(Plugin* plugin, std::int64_t permissions, Guard::Identity identity);
+  void Forget(Plugin* plugin, std::int64_t permissions);
   /// Somebody who is here, writes or reads what it may not.
-  void TellOfTrespass(std::int64_t permissions, const char* does, const char* topic) noexcept;
+  void TellOfTrespass(Plugin* plugin, std::int64_t permissions, const char* does,
+                      const char* topic) noexcept;
 
  private:
   struct Present {
@@ -69,10 +72,9 @@ class AccessControl {
   LogBudget log_;
   mutable std::mutex mutex_;
   // Guarded by mutex_.
-  dds_security_access_control* plugin_ = nullptr;
-  const dds_security_access_control_listener* listener_ = nullptr;
+  std::map<Plugin*, const dds_security_access_control_listener*> listeners_;  // null: none yet
   std::set<std::string> refused_;
-  std::map<std::int64_t, Present> present_;  // by the handles of their permissions
+  std::map<std::pair<Plugin*, std::int64_t>, Present> present_;  // by handles of permissions
 };
 
 }  // namespace waymark::session::dds::internal

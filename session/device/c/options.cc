@@ -41,6 +41,8 @@ struct NumberOption {
 constexpr std::array kNumbers{
     NumberOption{"dds_domain", 0, 230, true,
                  [](auto& options, double n) { options.dds_domain = static_cast<int>(n); }},
+    NumberOption{"dds_slices", 1, 64, true,
+                 [](auto& options, double n) { options.dds_slices = static_cast<int>(n); }},
     NumberOption{"keyframe_interval_s", 0, 3600, false,
                  [](auto& options, double n) {
                    options.keyframe_interval = std::chrono::duration<double>(n);

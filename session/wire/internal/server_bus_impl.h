@@ -12,6 +12,7 @@
 
 #include "session/wire/internal/topics.h"
 #include "session/wire/server_bus.h"
+#include "session/wire/slices.h"
 
 namespace waymark::session::wire {
 
@@ -47,8 +48,16 @@ struct DeviceWriters {
   dds::Writer own_states;
   dds::Writer pongs;
   dds::Writer poses;
+  RoomId room;
   std::string partition;
   std::optional<AreaWriters> area = std::nullopt;  // once it has asked
+};
+
+/// Of the bus: who is on one hears nothing of the others.
+struct Slice {
+  dds::Participant participant;
+  dds::Writer gateway_pongs;
+  dds::Writer refusals;  // to whom came to another slice than its room's
 };
 
 /// How a device speaks to the server.
@@ -67,13 +76,9 @@ inline Error NotOpen(std::string_view what, const std::string& name) {
 }
 
 struct ServerBus::Impl {
-  Impl(dds::Participant participant_in, dds::Writer gateway_pongs_in, const ShareOptions& share)
-      : participant(std::move(participant_in)),
-        gateway_pongs(std::move(gateway_pongs_in)),
-        shares(share) {}
+  explicit Impl(const ShareOptions& share) : shares(share) {}
 
-  dds::Participant participant;
-  dds::Writer gateway_pongs;
+  std::vector<Slice> slices;
   std::atomic<std::uint64_t> rejected = 0;
   Shares shares;
   std::map<RoomId, RoomWriters> rooms;
@@ -86,10 +91,10 @@ struct ServerBus::Impl {
 
   /// To what devices say; each has its share.
   template <typename Message>
-  Result<void> Listen(const Handler& handler) {
+  Result<void> Listen(Slice& slice, const Handler& handler) {
     WAYMARK_TRY_ASSIGN(dds::Reader reader,
                        MakeReader<Message>(
-                           participant, TopicOf<Message>(), AnyUpPartition(), rejected,
+                           slice.participant, TopicOf<Message>(), AnyUpPartition(), rejected,
                            [handler](Message message) { handler(Upward(std::move(message))); },
                            [](dds::Arrival, const WireOf<Message>&) {},
                            [this](const dds::Source& source, const WireOf<Message>& wire) {
@@ -100,19 +105,21 @@ struct ServerBus::Impl {
     return {};
   }
 
-  template <typename Message, typename OnMessage>
-  Result<void> Listen(const std::string& partition, OnMessage on_message) {
-    WAYMARK_TRY_ASSIGN(dds::Reader reader, MakeReader<Message>(participant, partition, rejected,
-                                                               std::move(on_message)));
-    readers.push_back(std::move(reader));
-    return {};
-  }
-
-  Result<void> ListenForHello(const Handler& handler);
+  Result<void> Open(const dds::ParticipantOptions& options);
+  Result<void> Listen(std::size_t slice, const Handler& handler,
+                      const GatewayHandler& gateway_handler);
+  Result<void> ListenForHello(std::size_t slice, const Handler& handler);
   /// Only what comes from the device's own partition of its room, or from a gateway's, is the
   /// device's word.
-  Result<Upward> HearHello(dds::Arrival arrival, const waymark_Hello& wire,
+  Result<Upward> HearHello(std::size_t slice, dds::Arrival arrival, const waymark_Hello& wire,
                            const dds::Source& source);
+  /// Tells a device that its room is elsewhere, and says so.
+  Error SendElsewhere(std::size_t slice, const Hello& hello);
+
+  dds::Participant& ParticipantOf(const RoomId& room) { return SliceFor(room).participant; }
+  Slice& SliceFor(const RoomId& room) {
+    return slices[static_cast<std::size_t>(SliceOf(room, static_cast<int>(slices.size())))];
+  }
 
   template <typename Message>
   Result<void> WriteTo(const RoomId& room, dds::Writer RoomWriters::*writer,

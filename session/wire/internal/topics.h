@@ -30,6 +30,8 @@ inline std::string DownPartition(const RoomId& room) { return "room." + room.tex
 inline std::string DevicePartition(const RoomId& room, const DeviceId& device) {
   return "room." + room.text() + ".device." + device.text();
 }
+/// Where each device of any room hears what is for its own ears, or passes it by.
+inline std::string AnyDevicePartition() { return "room.*.device.*"; }
 /// Where gateways hear what is said to one of their phones in a room.
 inline std::string GatewayDownPartition(const RoomId& room) {
   return "room." + room.text() + ".device.gateway";

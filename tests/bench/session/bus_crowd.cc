@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "session/wire/device_bus.h"
+#include "session/wire/slices.h"
 
 namespace waymark::bench {
 
@@ -24,13 +25,13 @@ constexpr std::chrono::minutes kPatience{20};  // a thousand on the bus take tha
 }  // namespace
 
 struct BusCrowd::Phone {
-  Phone(int number, const Eigen::Vector3d& cell)
+  Phone(int number, const std::string& room, const Eigen::Vector3d& cell)
       : walker(static_cast<std::uint64_t>(number / 2), static_cast<std::uint64_t>(number % 2),
                kCell_m / 2),
         middle(cell),
         hello{
             .device = DeviceId(FormatUuid(UuidFromBits(kSeed, static_cast<std::uint64_t>(number)))),
-            .room = RoomId("square"),
+            .room = RoomId(room),
             .name = fmt::format("phone {}", number)} {}
 
   void On(const wire::DeviceLink::Event& event) {
@@ -80,14 +81,17 @@ Result<std::unique_ptr<BusCrowd>> BusCrowd::Connect(const Options& options) {
   std::shared_ptr<dds::Participant> participant;
   for (int i = 0; i < options.phones; ++i) {
     if (i % options.per_participant == 0) {
-      WAYMARK_TRY_ASSIGN(dds::Participant another,
-                         dds::Participant::Create({.domain = options.domain}));
+      WAYMARK_TRY_ASSIGN(
+          dds::Participant another,
+          dds::Participant::Create({.domain = options.domain,
+                                    .slice = wire::SliceOf(RoomId(options.room), options.slices)}));
       participant = std::make_shared<dds::Participant>(std::move(another));
     }
     constexpr int kAcross = 5;  // cells side by side
     const int cell = i % options.cells;
-    auto phone = std::make_unique<Phone>(
-        options.first_phone + i, kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
+    auto phone =
+        std::make_unique<Phone>(options.first_phone + i, options.room,
+                                kCell_m * Eigen::Vector3d(cell % kAcross, cell / kAcross, 0));
     WAYMARK_TRY_ASSIGN(phone->bus,
                        wire::DeviceBus::Create(
                            participant, phone->hello.room, phone->hello.device,

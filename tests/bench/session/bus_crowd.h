@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "mapping/base/result.h"
@@ -16,6 +17,8 @@ class BusCrowd {
     int domain = 0;
     int phones = 0;
     int first_phone = 0;  ///< numbers are distinct in all crowds of a server
+    std::string room = "square";
+    int slices = 1;  ///< into how many the server cuts its bus
     int cells = 20;
     /// Some share one, because a participant of its own for each would be the machine's load.
     int per_participant = 20;

@@ -58,14 +58,15 @@ Result<void> AwaitAll(const std::vector<Child>& processes, std::string_view word
   return {};
 }
 
-Result<Cost> Measure(int devices) {
-  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server"}));
+Result<Cost> Measure(int devices, int slices) {
+  const std::string cut = fmt::format("--slices={}", slices);
+  WAYMARK_TRY_ASSIGN(const Child server, Child::Start({"server", cut}));
   WAYMARK_TRY_ASSIGN(const double begin, LoopbackKilobytes());
   std::vector<Child> processes;
   for (int first = 0; first < devices; first += kPerProcess) {
     const int count = std::min(kPerProcess, devices - first);
     WAYMARK_TRY_ASSIGN(Child process, Child::Start({"devices", server.line(), std::to_string(count),
-                                                    std::to_string(first)}));
+                                                    std::to_string(first), cut}));
     processes.push_back(std::move(process));
   }
   WAYMARK_TRY(AwaitAll(processes, kDevicesAreMade));
@@ -85,11 +86,11 @@ Result<Cost> Measure(int devices) {
 
 }  // namespace
 
-Result<void> MeasureDiscovery(const std::vector<int>& devices) {
+Result<void> MeasureDiscovery(const std::vector<int>& devices, int slices) {
   fmt::print("{:>8} {:>22} {:>22} {:>16} {:>14} {:>16}\n", "devices", "until found, kB each",
              "until joined, kB each", "then, kB/s each", "joined in, s", "server, MiB");
   for (const int count : devices) {
-    WAYMARK_TRY_ASSIGN(const Cost cost, Measure(count));
+    WAYMARK_TRY_ASSIGN(const Cost cost, Measure(count, slices));
     fmt::print("{:>8} {:>22.1f} {:>22.1f} {:>16.2f} {:>14.1f} {:>16.0f}\n", count, cost.found_kb,
                cost.joined_kb, cost.idle_kbps, cost.join_s, cost.server_mib);
     std::fflush(stdout);

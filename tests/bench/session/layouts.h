@@ -19,6 +19,7 @@ struct Flags {
   double seconds = 8;
   double hz = 30;
   int churn_phones = 100;
+  int slices = 1;  // of the bus, of layout discovery
   int joins = 20;
   int anchors = 200;
   int city_anchors = 100'000;

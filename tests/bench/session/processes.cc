@@ -43,9 +43,9 @@ int Await(const sigset_t& held) {
 
 }  // namespace
 
-int RunServer(const std::string& recording, const CityAnchors& anchors) {
+int RunServer(const std::string& recording, const CityAnchors& anchors, int slices) {
   const sigset_t held = Hold({SIGUSR1, SIGTERM});
-  session::ServerOptions options{.dds_domain = -1, .recording_file = recording};
+  session::ServerOptions options{.dds_domain = -1, .slices = slices, .recording_file = recording};
   const std::filesystem::path folder =
       support::TemporaryRoot() / fmt::format("waymark-session-bench-{}", ::getpid());
   const bool is_city = anchors.count > 0;
@@ -99,10 +99,14 @@ int RunGateway(int domain, bool is_tls) {
   return StayUntilTold();
 }
 
-int RunDevices(int domain, int count, int first) {
+int RunDevices(int domain, int count, int first, int slices) {
   const sigset_t join = Hold({SIGUSR1});
-  const auto crowd = BusCrowd::Connect(
-      {.domain = domain, .phones = count, .first_phone = first, .per_participant = 1});
+  const auto crowd = BusCrowd::Connect({.domain = domain,
+                                        .phones = count,
+                                        .first_phone = first,
+                                        .room = fmt::format("room-{}", first),
+                                        .slices = slices,
+                                        .per_participant = 1});
   if (!crowd) return 1;
   fmt::print("{}\n", kDevicesAreMade);
   std::fflush(stdout);

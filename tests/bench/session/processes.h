@@ -16,12 +16,12 @@ inline constexpr std::string_view kDevicesHaveJoined = "devices: joined";
 
 /// Waymark's server on a free domain, with its anchors in a file if there are any. It records to
 /// that file, if any. At SIGUSR1 another release of the map goes live.
-int RunServer(const std::string& recording, const CityAnchors& anchors);
+int RunServer(const std::string& recording, const CityAnchors& anchors, int slices);
 /// Waymark's gateway to that server, in clear or with a certificate that vouches for itself.
 int RunGateway(int domain, bool is_tls);
-/// Devices on the bus, each a participant: says a line when they are made, and joins and says
-/// another at SIGUSR1.
-int RunDevices(int domain, int count, int first);
+/// Devices on the bus, each a participant, in a room of their own: says a line when they are made,
+/// and joins and says another at SIGUSR1.
+int RunDevices(int domain, int count, int first, int slices);
 /// A plain fan-out over WebSockets.
 int RunFanOut();
 

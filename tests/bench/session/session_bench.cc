@@ -28,7 +28,7 @@ const std::vector<std::pair<std::string, Result<void> (*)(const Flags&)>> kOwnTa
                             .city_m = flags.city_m,
                             .anchor_radius_m = flags.anchor_radius_m});
      }},
-    {"discovery", [](const Flags& flags) { return MeasureDiscovery(flags.phones); }}};
+    {"discovery", [](const Flags& flags) { return MeasureDiscovery(flags.phones, flags.slices); }}};
 
 std::string Load() {
   std::ifstream file("/proc/loadavg");
@@ -121,6 +121,9 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--anchors", flags.anchors, "anchors placed in layout apps")
       ->capture_default_str();
+  app.add_option("--slices", flags.slices, "into how many the bus is cut, of layout discovery")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
   app.add_option("--churn-phones", flags.churn_phones, "phones at once of layout churn")
       ->capture_default_str();
   app.add_flag("--tls", flags.is_tls, "phones and gateway encrypt what they say");
@@ -135,7 +138,8 @@ int main(int argc, char** argv) {
   server->add_option("--record", recording);
   server->add_option("--anchors", count);
   server->add_option("--city", flags.city_m);
-  server->callback([&] { outcome = RunServer(recording, {count, flags.city_m}); });
+  server->add_option("--slices", flags.slices);
+  server->callback([&] { outcome = RunServer(recording, {count, flags.city_m}, flags.slices); });
   CLI::App* const gateway = app.add_subcommand("gateway", "")->group("");
   gateway->add_option("DOMAIN", domain)->required();
   gateway->add_flag("--tls", flags.is_tls);
@@ -145,7 +149,8 @@ int main(int argc, char** argv) {
   devices->add_option("DOMAIN", domain)->required();
   devices->add_option("COUNT", count)->required();
   devices->add_option("FIRST", first)->required();
-  devices->callback([&] { outcome = RunDevices(domain, count, first); });
+  devices->add_option("--slices", flags.slices);
+  devices->callback([&] { outcome = RunDevices(domain, count, first, flags.slices); });
   CLI11_PARSE(app, argc, argv);
   return outcome >= 0 ? outcome : Run(flags);
 }
