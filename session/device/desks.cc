@@ -27,12 +27,14 @@ void JoinDesk::Restart(Instant now) {
   if (is_connected_) ++attempt_;
   is_connected_ = false;
   next_hello_ = now;
+  hello_interval_ = kFirstHelloInterval;
 }
 
 bool JoinDesk::TakeHelloDue(Instant now) {
   if (is_connected_ && now - last_heard_ > kSilence) Restart(now);
   if (is_over_ || is_connected_ || now < next_hello_) return false;
-  next_hello_ = now + kHelloInterval;
+  next_hello_ = now + hello_interval_;
+  hello_interval_ = std::min(2 * hello_interval_, kHelloInterval);
   return true;
 }
 

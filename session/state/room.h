@@ -30,6 +30,7 @@ struct RoomMember {
   std::set<Uuid> under_way;           ///< commands that wait for the store
   std::deque<CommandReply> answered;  ///< oldest first, for repetitions
   std::uint32_t attempt = 0;          ///< of the latest Hello
+  bool is_return = false;             ///< with that it came back as itself
   event::Permit permit = {};          ///< that it came with
   ServerTime own_told = {};           ///< when it was told all that its owner alone may see
   bool is_own_due = false;            ///< it is to be told anew

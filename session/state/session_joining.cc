@@ -49,8 +49,9 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
   if (returning && returning->room == hello.room) {
     returning->name = hello.name;
     returning->attempt = hello.attempt;
+    returning->is_return = true;
     returning->permit = event.permit;
-    return Seat(*std::move(returning), true, step);
+    return Seat(*std::move(returning), step);
   }
   const std::uint32_t capacity = CapacityOf(hello.room);
   if (room.members.size() + room.away.size() >= capacity) {
@@ -71,7 +72,7 @@ void SessionState::Admit(const event::HelloReceived& event, Step& step) {
         .answered = {},
         .attempt = hello.attempt,
         .permit = event.permit},
-       false, step);
+       step);
 }
 
 /// Not that of anybody who is here or away.
@@ -89,9 +90,9 @@ DeviceNumber SessionState::TakeNumber() {
   }
 }
 
-void SessionState::Seat(RoomMember member, bool is_return, Step& step) {
+void SessionState::Seat(RoomMember member, Step& step) {
   member.last_heard = step.now;
-  Greet(member, is_return, step);
+  Greet(member, step);
   Announce(member, step);
   Room& room = rooms_.at(member.room);
   room.members.insert(member.device);
@@ -102,7 +103,7 @@ void SessionState::Seat(RoomMember member, bool is_return, Step& step) {
   TellOwn(seated, step);
 }
 
-void SessionState::Greet(const RoomMember& member, bool is_return, Step& step) {
+void SessionState::Greet(const RoomMember& member, Step& step) {
   step.effects.push_back(effect::SendWelcome{member.room, Welcome{.device = member.device,
                                                                   .attempt = member.attempt,
                                                                   .verdict = JoinVerdict::kAccepted,
@@ -113,7 +114,7 @@ void SessionState::Greet(const RoomMember& member, bool is_return, Step& step) {
                                                                   .map = map_,
                                                                   .session_time = step.now,
                                                                   .role = member.role(),
-                                                                  .is_return = is_return,
+                                                                  .is_return = member.is_return,
                                                                   .owner = member.owner()}});
 }
 

@@ -47,9 +47,10 @@ std::optional<std::string> SessionState::FindBan(const event::HelloReceived& eve
 void SessionState::Renew(RoomMember& member, const event::HelloReceived& event, Step& step) {
   const Role before = member.role();
   member.last_heard = step.now;
+  if (member.attempt != event.hello.attempt) member.is_return = true;  // not said once more
   member.attempt = event.hello.attempt;
   member.permit = event.permit;
-  Greet(member, true, step);
+  Greet(member, step);
   member.is_own_due = true;
   if (member.role() == before) return;
   if (!MaySharePose(member.role())) {

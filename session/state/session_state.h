@@ -109,8 +109,8 @@ class SessionState {
   void OpenFor(const event::HelloReceived& event, Step& step);
   void Wait(Room& room, const event::HelloReceived& event, Step& step);
   void Admit(const event::HelloReceived& event, Step& step);
-  void Seat(RoomMember member, bool is_return, Step& step);
-  void Greet(const RoomMember& member, bool is_return, Step& step);
+  void Seat(RoomMember member, Step& step);
+  void Greet(const RoomMember& member, Step& step);
   void Announce(const RoomMember& member, Step& step);
   void Refuse(const Hello& hello, JoinVerdict verdict, const std::string& reason, Step& step);
   RoomMember Unseat(const DeviceId& device, Step& step);

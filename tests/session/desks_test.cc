@@ -33,8 +33,11 @@ Welcome Accepted(std::uint32_t attempt, RunId run = kRun) {
 TEST(JoinDesk, RepeatsUntilWelcomedAndIgnoresAnswersToOthers) {
   JoinDesk desk(0xfffffffe);  // attempts may wrap
   EXPECT_TRUE(desk.TakeHelloDue(kStart));
-  EXPECT_FALSE(desk.TakeHelloDue(kStart + milliseconds(100)));
-  EXPECT_TRUE(desk.TakeHelloDue(kStart + milliseconds(300)));
+  EXPECT_FALSE(desk.TakeHelloDue(kStart + milliseconds(19)));
+  for (const int due : {20, 60, 140, 300, 600, 900}) {
+    EXPECT_FALSE(desk.TakeHelloDue(kStart + milliseconds(due - 1)));
+    EXPECT_TRUE(desk.TakeHelloDue(kStart + milliseconds(due)));
+  }
   EXPECT_EQ(desk.On(Accepted(3), kStart), JoinDesk::Outcome::kIgnored) << "an earlier life's";
   EXPECT_EQ(desk.On(Accepted(0xfffffffe), kStart), JoinDesk::Outcome::kJoined);
   EXPECT_EQ(desk.On(Accepted(0xfffffffe), kStart), JoinDesk::Outcome::kIgnored);

@@ -39,8 +39,20 @@ TEST_F(State, ARepeatedHelloGetsTheSameTicketAndIsNotNews) {
       {.device = Device('A'), .attempt = 8, .room = RoomId("square"), .name = "A"}, Ticket{5}});
   EXPECT_EQ(Only<effect::SendWelcome>().welcome.ticket, TicketOf('A'));
   EXPECT_EQ(Only<effect::SendWelcome>().welcome.attempt, 8u);
+  EXPECT_TRUE(Only<effect::SendWelcome>().welcome.is_return) << "it began anew";
   EXPECT_TRUE(None<effect::PublishPresence>());
   EXPECT_EQ(state_.MemberCount(), 1u);
+}
+
+// A Hello is said until it is answered, and may be heard once more after that.
+TEST_F(State, AHelloThatIsHeardTwiceIsAnsweredAlike) {
+  OpenWith("AB");
+  const Welcome first = Only<effect::SendWelcome>().welcome;
+  EXPECT_FALSE(first.is_return);
+  Hello('B');
+  const Welcome second = Only<effect::SendWelcome>().welcome;
+  EXPECT_FALSE(second.is_return);
+  EXPECT_EQ(second.ticket, first.ticket);
 }
 
 TEST_F(State, NumbersAndTicketsNameOneDevice) {

@@ -50,6 +50,9 @@ class JoinDesk {
   bool IsOver() const { return is_over_; }
 
  private:
+  /// It doubles: the first Hellos may come before the bus has found the server, and go nowhere.
+  static constexpr std::chrono::milliseconds kFirstHelloInterval{20};
+
   std::uint32_t first_attempt_;
   std::uint32_t attempt_;
   bool is_connected_ = false;
@@ -57,6 +60,7 @@ class JoinDesk {
   bool is_over_ = false;
   std::optional<Welcome> welcome_;
   Instant next_hello_ = Instant::min();
+  std::chrono::milliseconds hello_interval_ = kFirstHelloInterval;
   Instant next_ping_ = kNever;
   Instant last_heard_;
   int fast_pings_ = 0;  // left to send
