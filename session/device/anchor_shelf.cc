@@ -28,6 +28,16 @@ void AnchorShelf::BeginResync() {
   Check();
 }
 
+void AnchorShelf::Lose(const AnchorId& anchor) {
+  const auto found = anchors_.find(anchor);
+  if (found == anchors_.end()) return;
+  Count(found->second, false);
+  found->second.delivery = 0;
+  Count(found->second, true);
+  is_complete_ = false;
+  Check();
+}
+
 void AnchorShelf::Expect(RunId run, const Tally& all, const std::optional<AnchorArea>& area) {
   expected_ = {run, all};
   if (area) {

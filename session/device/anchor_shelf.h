@@ -33,6 +33,8 @@ class AnchorShelf {
   void StartRun(RunId run, std::uint64_t epoch);
   void CarryTo(std::uint64_t epoch, const Placements& placements);
   void BeginResync();
+  /// As BeginResync, of one alone.
+  void Lose(const AnchorId& anchor);
   /// What it shall hold, in this run: of everything, or in an area. What is elsewhere is let go.
   void Expect(RunId run, const Tally& all, const std::optional<AnchorArea>& area = std::nullopt);
 

@@ -13,9 +13,13 @@ void LiveSession::On(const wire::DeviceLink::Event& event) {
     return std::visit([this](const auto& content) { On(content); }, *message);
   }
   ++changes_;
+  using Link = wire::DeviceLink;
+  if (const auto* lost = std::get_if<Link::DeviceLost>(&event)) return view_.OnLost(lost->device);
+  if (const auto* lost = std::get_if<Link::AnchorLost>(&event)) {
+    return view_.OnLost(lost->anchor, lost->is_own);
+  }
+  if (std::holds_alternative<Link::ToldAnew>(event)) return view_.BeginResync();
   join_.Restart(std::chrono::steady_clock::now());
-  view_.BeginResync();  // what ended meanwhile is not told
-  areas_.BeginAnew();
   images_.Abandon();  // a newer one is better than one that may never be answered
 }
 
@@ -58,8 +62,8 @@ void LiveSession::On(const Welcome& welcome) {
   if (!before || before->run != welcome.run) {
     session_clock_.Clear();
     last_swap_ = 0;
-    images_.Abandon();  // who was asked is no more
   }
+  images_.Abandon();  // what was asked before the silence may never be answered
   view_.StartRun(welcome.run, welcome.map.epoch);
   areas_.BeginAnew();
 }

@@ -12,7 +12,6 @@ constexpr std::chrono::milliseconds kFastPingInterval{20};
 constexpr int kFastPings = 8;  // the best of 8 is good to about the jitter's median
 // Six pings in a row lost: below 0.3 % at 20 % loss both ways, and then joining again is harmless.
 constexpr std::chrono::milliseconds kSilence{1600};
-constexpr std::chrono::milliseconds kLongSilence{4000};  // longer than the lease of 3 s
 constexpr std::chrono::milliseconds kCommandInterval{300};
 
 Instant After(Instant start, std::chrono::duration<double> duration) {
@@ -45,12 +44,6 @@ bool JoinDesk::TakePingDue(Instant now) {
   return true;
 }
 
-bool JoinDesk::TakeLongSilence(Instant now) {
-  if (!welcome_ || is_long_silent_ || now - last_heard_ < kLongSilence) return false;
-  is_long_silent_ = true;
-  return true;
-}
-
 Instant JoinDesk::NextDeadline() const {
   if (is_over_) return kNever;
   return is_connected_ ? std::min(next_ping_, last_heard_ + kSilence) : next_hello_;
@@ -66,14 +59,14 @@ JoinDesk::Outcome JoinDesk::On(const Welcome& welcome, Instant now) {
     is_over_ = true;
     return Outcome::kRemoved;
   }
-  if (is_over_) return Outcome::kIgnored;
+  // The answer to an earlier one may have been kept for this device since before it was away.
+  if (is_over_ || welcome.attempt != attempt_) return Outcome::kIgnored;
   if (welcome.verdict != JoinVerdict::kAccepted || welcome.protocol < kOldestProtocol) {
     return is_connected_ ? Outcome::kIgnored : Outcome::kRefused;
   }
   const bool is_news =
       !is_connected_ || welcome_->run != welcome.run || welcome_->ticket != welcome.ticket;
   last_heard_ = now;
-  is_long_silent_ = false;
   if (!is_news) return Outcome::kIgnored;
   is_connected_ = true;
   welcome_ = welcome;
@@ -85,7 +78,6 @@ JoinDesk::Outcome JoinDesk::On(const Welcome& welcome, Instant now) {
 void JoinDesk::OnPong(const ClockPong& pong, Instant now) {
   if (!welcome_ || pong.run != welcome_->run) return;
   last_heard_ = now;
-  is_long_silent_ = false;
 }
 
 // ---- ImageDesk --------------------------------------------------------------------------------

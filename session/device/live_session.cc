@@ -101,11 +101,6 @@ void LiveSession::SendWhatIsDue() {
                             .owner_secret = options_.owner_secret,
                             .anchor_scope = areas_.scope()});
   }
-  if (join_.TakeLongSilence(now)) {
-    view_.BeginResync();
-    areas_.BeginAnew();
-    ++changes_;
-  }
   if (join_.TakePingDue(now)) {
     (void)link_->Send(ClockPing{.ticket = join_.welcome()->ticket,
                                 .sequence_number = next_ping_number_++,

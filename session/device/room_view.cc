@@ -37,6 +37,10 @@ void RoomView::BeginResync() {
   for (AnchorShelf* const shelf : {&room_, &own_}) shelf->BeginResync();
 }
 
+void RoomView::OnLost(const DeviceId& device) {
+  if (const auto found = others_.find(device); found != others_.end()) found->second.delivery = 0;
+}
+
 // ---- others -----------------------------------------------------------------------------------
 
 void RoomView::On(const Presence& presence) {

@@ -27,6 +27,9 @@ class RoomView {
   void CarryTo(std::uint64_t epoch, const Placements& placements);
   /// Everything is about to be delivered anew: what is not, is over.
   void BeginResync();
+  /// The same of one alone.
+  void OnLost(const DeviceId& device);
+  void OnLost(const AnchorId& anchor, bool is_own) { (is_own ? own_ : room_).Lose(anchor); }
 
   void On(const Presence& presence);
   void OnGone(const DeviceId& device, ServerTime now);

@@ -53,6 +53,7 @@ Result<void> SocketLink::Send(wire::Upward message) {
     channel = channel_;
     has_asked_ = true;
     number = ++sent_;
+    if (const auto* hello = std::get_if<Hello>(&message)) attempt_ = hello->attempt;
   }
   if (!channel) return MakeError(ErrorCode::kUnavailable, "{}: not connected", name_);
   std::vector<std::uint8_t> frame = wire::EncodeFrame(message);
@@ -96,12 +97,14 @@ void SocketLink::OnConnected(Result<std::shared_ptr<socket::Channel>> channel) {
   }
   has_warned_ = false;
   heard_ = Clock::now();
+  accepted_attempt_.reset();
   (*channel)->Start({.on_frame = [this](auto frame) { OnFrame(frame); },
                      .on_end = [this](const Error&) { OnEnd(); }});
   {
     const std::lock_guard lock(mutex_);
     channel_ = *std::move(channel);
     has_asked_ = false;
+    attempt_.reset();
   }
   handler_(Opened{});
 }
@@ -114,9 +117,17 @@ void SocketLink::OnFrame(std::span<const std::uint8_t> frame) {
   if (message) {
     const auto* const welcome = std::get_if<Welcome>(&*message);
     if (welcome && welcome->verdict != JoinVerdict::kAccepted) retry_ = kLastRetry;
+    if (welcome && BeginsAnew(*welcome)) handler_(ToldAnew{});
     return handler_(*std::move(message));
   }
   if (!std::exchange(has_warned_, true)) LogWarning("{}: {}", name_, ToString(message.error()));
+}
+
+// Whoever joins, or joins anew, is told the room by the gateway, after this.
+bool SocketLink::BeginsAnew(const Welcome& welcome) {
+  const std::lock_guard lock(mutex_);
+  if (welcome.verdict != JoinVerdict::kAccepted || welcome.attempt != attempt_) return false;
+  return std::exchange(accepted_attempt_, welcome.attempt) != welcome.attempt;
 }
 
 void SocketLink::OnEnd() {

@@ -70,6 +70,11 @@ Result<std::unique_ptr<DeviceBus>> DeviceBus::Create(std::shared_ptr<dds::Partic
   WAYMARK_TRY_ASSIGN(UpWriters writers, MakeUpWriters(*participant, room, device, scope));
   std::unique_ptr<Impl> impl(new Impl{std::move(writers), device, Readers(std::move(participant))});
   Readers& readers = impl->readers;
+  readers.CallWhenLost({.device = [handler](const DeviceId& lost) { handler(DeviceLost{lost}); },
+                        .anchor =
+                            [handler](const AnchorId& lost, bool is_own) {
+                              handler(AnchorLost{lost, is_own});
+                            }});
   WAYMARK_TRY(readers.ListenToOwn(DevicePartition(room, device), ForOwnEars(handler, device)));
   WAYMARK_TRY(readers.Listen<ClockPong>(DevicePartition(room, device), handler));
   WAYMARK_TRY(readers.Listen<PoseBatch>(DevicePartition(room, device), handler));

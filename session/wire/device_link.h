@@ -14,7 +14,17 @@ class DeviceLink {
  public:
   /// The way to the server is open, for the first time or anew: what was said before may be lost.
   struct Opened {};
-  using Event = std::variant<Opened, Downward>;
+  /// What follows tells everything that holds of the room once more: what it does not tell is over.
+  struct ToldAnew {};
+  /// Nobody vouches for it any more, because the server is away: it is over unless told anew.
+  struct DeviceLost {
+    DeviceId device;
+  };
+  struct AnchorLost {
+    AnchorId anchor;
+    bool is_own = false;  ///< a private one of the device's owner
+  };
+  using Event = std::variant<Opened, ToldAnew, DeviceLost, AnchorLost, Downward>;
   /// Takes messages, already checked, on threads of the link: it only enqueues.
   using Handler = std::function<void(Event)>;
 

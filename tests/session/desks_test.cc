@@ -64,9 +64,8 @@ TEST(JoinDesk, SilenceMeansJoiningAgain) {
   EXPECT_TRUE(desk.TakeHelloDue(kStart + milliseconds(2601)));
   EXPECT_FALSE(desk.IsConnected());
   EXPECT_EQ(desk.attempt(), 2u);
-  EXPECT_FALSE(desk.TakeLongSilence(kStart + milliseconds(4900)));
-  EXPECT_TRUE(desk.TakeLongSilence(kStart + milliseconds(5000)));
-  EXPECT_FALSE(desk.TakeLongSilence(kStart + milliseconds(6000))) << "once per silence";
+  EXPECT_EQ(desk.On(Accepted(1), kStart + seconds(3)), JoinDesk::Outcome::kIgnored)
+      << "kept by the server since before the silence";
   EXPECT_EQ(desk.On(Accepted(2, kNextRun), kStart + seconds(6)), JoinDesk::Outcome::kJoined);
   EXPECT_EQ(desk.welcome()->run, kNextRun);
 }

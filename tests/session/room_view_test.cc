@@ -147,6 +147,32 @@ TEST_F(View, AfterALongSilenceWhatIsNotDeliveredAnewIsOver) {
   EXPECT_THAT(Ids(), ElementsAre(AnchorNamed(1).text()));
 }
 
+// The same one by one, as DDS tells it: some of it perhaps after what is told anew.
+TEST_F(View, WhatIsLostIsOverUnlessItIsToldAnew) {
+  view_.On(State(1, 10));
+  view_.On(State(2, 11));
+  view_.On(Own(3, 12));
+  view_.On(OwnOf(3, 12));
+  view_.On(RoomOf({{1, 10}, {2, 11}}));
+  view_.On(Presence{ben_, DeviceNumber{5}, "Ben", kRun});
+  for (const int number : {1, 2}) view_.OnLost(AnchorNamed(number), false);
+  view_.OnLost(AnchorNamed(3), true);
+  view_.OnLost(AnchorNamed(4), false);
+  view_.OnLost(DeviceId("nobody"));
+  EXPECT_TRUE(view_.HasSnapshot()) << "nothing says otherwise yet";
+  EXPECT_THAT(Ids(), SizeIs(3)) << "content does not flicker";
+  EXPECT_TRUE(view_.Others(kNow)[0].is_present);
+  view_.OnLost(ben_);
+  EXPECT_FALSE(view_.Others(kNow)[0].is_present);
+  view_.On(Presence{ben_, DeviceNumber{5}, "Ben", kRun});
+  EXPECT_TRUE(view_.Others(kNow)[0].is_present);
+  view_.On(State(1, 10));
+  view_.On(RoomOf({{1, 10}}));
+  view_.On(OwnNone());
+  EXPECT_TRUE(view_.HasSnapshot());
+  EXPECT_THAT(Ids(), ElementsAre(AnchorNamed(1).text()));
+}
+
 TEST_F(View, OthersComeMoveAndGo) {
   const auto pose = [&](double x, ServerTime time, RunId run = kRun) {
     return PoseBatch{.run = run,

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole sessions over DDS on loopback, while servers and devices die and packets are lost.
+#include <mutex>
+
+#include "session/device/internal/links.h"
 #include "tests/session/peer.h"
 #include "tests/session/session_fixture.h"
 
@@ -130,6 +133,69 @@ TEST_F(SessionFailure, APausedDeviceComesBackAsItself) {
   ben.Continue();
   EXPECT_TRUE(Eventually(all_see));
   EXPECT_TRUE(Eventually([&] { return ben.Ask("?").starts_with("returns=1 "); }));
+}
+
+// Anna stands still, Cleo leaves meanwhile. Whenever their apps go on, all see who is there.
+TEST_F(SessionFailure, WhoWasPausedSeesWhoIsThereAndNobodyElse) {
+  StartServer();
+  const auto anna = Join("Anna");
+  auto cleo = Join("Cleo");
+  std::array<std::optional<support::Peer>, 4> paused;
+  for (auto& device : paused) device.emplace(DeviceWords("Ben"));
+  const auto all_say = [&](const std::string& others) {
+    return std::all_of(paused.begin(), paused.end(), [&](auto& device) {
+      return device->Ask("?").find(" in=yes others=" + others + " ") != std::string::npos;
+    });
+  };
+  ASSERT_TRUE(Eventually([&] { return all_say("5"); })) << paused.front()->Ask("?");
+  for (auto& device : paused) device->Pause();
+  cleo.reset();
+  const auto is_gone = [&](const auto& device) { return !Sees(*anna, DeviceId(device->line())); };
+  EXPECT_TRUE(Eventually([&] { return std::all_of(paused.begin(), paused.end(), is_gone); }));
+  for (auto& device : paused) {
+    device->Continue();
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  }
+  EXPECT_TRUE(Eventually([&] { return all_say("4"); })) << paused.front()->Ask("?");
+}
+
+// What a device knows is over only when it is told anew, and what is told anew comes after that.
+TEST_F(SessionFailure, WhoIsToldAllAnewIsToldSoFirst) {
+  StartServer();
+  const auto anna = Join("Anna");
+  std::mutex mutex;
+  bool is_anew = false, is_known = false;  // guarded by mutex
+  const DeviceId ben("01234567-89ab-4def-bedc-ba9876543210");
+  const DeviceOptions options = MakeDeviceOptions("Ben");
+  const auto link = internal::MakeLink(options, ben, [&](const wire::DeviceLink::Event& event) {
+    const std::lock_guard lock(mutex);
+    const auto* const lost = std::get_if<wire::DeviceLink::DeviceLost>(&event);
+    if ((lost && lost->device == anna->id()) ||
+        std::holds_alternative<wire::DeviceLink::ToldAnew>(event)) {
+      is_anew = true;
+      is_known = false;
+    }
+    const auto* const message = std::get_if<wire::Downward>(&event);
+    const auto* const presence = message ? std::get_if<Presence>(message) : nullptr;
+    if (presence && presence->device == anna->id()) is_known = true;
+  });
+  ASSERT_TRUE(link.ok()) << ToString(link.error());
+  const auto is_told = [&](std::uint32_t attempt, bool is_expected_anew) {
+    return Eventually([&] {
+      (void)(*link)->Send(Hello{.device = ben,
+                                .protocol = kProtocol,
+                                .attempt = attempt,
+                                .room = options.room,
+                                .name = "Ben"});
+      const std::lock_guard lock(mutex);
+      return is_known && is_anew == is_expected_anew;
+    });
+  };
+  ASSERT_TRUE(is_told(1, support::UsesGateway()));
+  is_anew = false;
+  StopServer();
+  StartServer();
+  EXPECT_TRUE(is_told(2, true));
 }
 
 // The same app, halted for longer than a seat is kept.

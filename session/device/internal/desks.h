@@ -33,8 +33,6 @@ class JoinDesk {
   /// Whether a Hello, or a ping, is to be sent now; counted as sent.
   bool TakeHelloDue(Instant now);
   bool TakePingDue(Instant now);
-  /// Once per silence, when it has outlasted the lease: then everything is delivered anew.
-  bool TakeLongSilence(Instant now);
   Instant NextDeadline() const;
 
   Outcome On(const Welcome& welcome, Instant now);
@@ -56,7 +54,6 @@ class JoinDesk {
   std::uint32_t first_attempt_;
   std::uint32_t attempt_;
   bool is_connected_ = false;
-  bool is_long_silent_ = false;
   bool is_over_ = false;
   std::optional<Welcome> welcome_;
   Instant next_hello_ = Instant::min();

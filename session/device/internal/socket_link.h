@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "session/device/internal/links.h"
@@ -34,6 +35,7 @@ class SocketLink final : public wire::DeviceLink {
   Result<void> Connect();
   void OnConnected(Result<std::shared_ptr<socket::Channel>> channel);
   void OnFrame(std::span<const std::uint8_t> frame);
+  bool BeginsAnew(const Welcome& welcome);
   void OnEnd();
   void ConnectLater();
   void Watch();
@@ -49,13 +51,15 @@ class SocketLink final : public wire::DeviceLink {
   std::shared_ptr<socket::Channel> channel_;  // absent while not connected
   bool has_asked_ = false;                    // since it is connected
   bool is_leaving_ = false;
-  std::uint32_t sent_ = 0;  // messages
+  std::uint32_t sent_ = 0;                // messages
+  std::optional<std::uint32_t> attempt_;  // of the latest Hello on this connection
 
   // Used on the loop's thread alone.
   std::chrono::milliseconds retry_;
   std::chrono::milliseconds patience_;
   Clock::time_point heard_;
   bool has_warned_ = false;
+  std::optional<std::uint32_t> accepted_attempt_;  // on this connection
 
   socket::SocketLoop loop_{1};  // last: its thread uses all of the above
 };

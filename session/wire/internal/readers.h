@@ -17,6 +17,16 @@ class Readers {
 
   dds::Participant& participant() { return *participant_; }
 
+  /// Called for each instance that no writer is left of, while the server is away; told anew later
+  /// it is a sample as ever. In the order of DDS, instance by instance, which is why the loss of
+  /// the server itself would not do: what one reader loses may be told after what another hears.
+  struct LossCalls {
+    std::function<void(const DeviceId&)> device = nullptr;
+    std::function<void(const AnchorId&, bool is_own)> anchor = nullptr;
+  };
+  /// For what is listened to from now on.
+  void CallWhenLost(LossCalls calls) { calls_ = std::move(calls); }
+
   /// Hands over each message of a partition as a Downward.
   template <typename Message, typename Handler>
   Result<void> Listen(const std::string& partition, const Handler& handler) {
@@ -45,11 +55,16 @@ class Readers {
                             const std::function<void()>& on_lost = nullptr) {
     const std::string partition = DownPartition(room);
     // Lost, as opposed to disposed, means that the server is away: nobody left because of that.
-    WAYMARK_TRY(Listen<Presence>(partition, handler,
-                                 [handler](dds::Arrival arrival, const waymark_Presence& key) {
-                                   if (arrival != dds::Arrival::kDisposed) return;
-                                   handler(Downward(DeviceGone{GetId<DeviceId>(key.device)}));
-                                 }));
+    WAYMARK_TRY(Listen<Presence>(
+        partition, handler,
+        [handler, on_device = calls_.device](dds::Arrival arrival, const waymark_Presence& key) {
+          const auto device = GetId<DeviceId>(key.device);
+          if (arrival == dds::Arrival::kDisposed) {
+            handler(Downward(DeviceGone{device}));
+          } else if (on_device) {
+            on_device(device);
+          }
+        }));
     WAYMARK_TRY(Listen<RoomState>(partition, handler,
                                   [on_lost](dds::Arrival arrival, const waymark_RoomState&) {
                                     if (arrival == dds::Arrival::kLost && on_lost) on_lost();
@@ -83,10 +98,7 @@ class Readers {
           if (!IsOwn(message)) return;
           handler(message);
         },
-        [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
-          if (arrival != dds::Arrival::kDisposed) return;
-          handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor), true}));
-        }));
+        OnAnchorEnd(handler, true)));
     WAYMARK_TRY(Listen<OwnerState>(partition, handler));
     return Listen<CommandReply>(partition, handler);
   }
@@ -95,11 +107,20 @@ class Readers {
   template <typename Handler>
   Result<void> ListenToAnchors(const dds::Topic& topic, const std::string& partition,
                                const Handler& handler) {
-    return Listen<AnchorState>(topic, partition, handler,
-                               [handler](dds::Arrival arrival, const waymark_AnchorState& key) {
-                                 if (arrival != dds::Arrival::kDisposed) return;
-                                 handler(Downward(AnchorGone{GetId<AnchorId>(key.anchor)}));
-                               });
+    return Listen<AnchorState>(topic, partition, handler, OnAnchorEnd(handler, false));
+  }
+
+  template <typename Handler>
+  auto OnAnchorEnd(const Handler& handler, bool is_own) const {
+    return [handler, is_own, on_anchor = calls_.anchor](dds::Arrival arrival,
+                                                        const waymark_AnchorState& key) {
+      const auto anchor = GetId<AnchorId>(key.anchor);
+      if (arrival == dds::Arrival::kDisposed) {
+        handler(Downward(AnchorGone{anchor, is_own}));
+      } else if (on_anchor) {
+        on_anchor(anchor, is_own);
+      }
+    };
   }
 
   static bool IsOwn(const Downward& message) {
@@ -109,6 +130,7 @@ class Readers {
   }
 
   std::shared_ptr<dds::Participant> participant_;
+  LossCalls calls_;
   std::atomic<std::uint64_t> rejected_ = 0;
   std::vector<dds::Reader> readers_;  // last: their callbacks end before the rest goes
 };
