@@ -33,7 +33,8 @@ class Authority {
   /// A new key signs from now on. Tokens of earlier keys stay good until those are revoked.
   Result<void> ChangeTokenKey();
   /// Writes what a server, a gateway or a device needs for DDS Security to a folder that holds
-  /// nothing yet: DIR/issued/NAME unless `out` says another. Errors: Conflict, InvalidArgument.
+  /// nothing yet, or, to renew it, something: DIR/issued/NAME unless `out` says another. Errors:
+  /// Conflict, NotFound (nothing to renew), InvalidArgument.
   struct Request {
     enum class Kind { kServer, kGateway, kDevice };
 
@@ -42,6 +43,7 @@ class Authority {
     std::string room = {};  ///< a device's
     Validity validity = {};
     std::filesystem::path out = {};
+    bool is_renewal = false;
   };
   Result<std::filesystem::path> Issue(const Request& request) const;
 

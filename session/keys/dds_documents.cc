@@ -4,6 +4,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <ctime>
+
 namespace waymark::session::keys {
 namespace {
 
@@ -87,6 +89,17 @@ std::string PermissionsXml(const Grant& grant) {
                      Escape(grant.subject), TimeText(grant.validity.from),
                      TimeText(grant.validity.until), kDomains, Criteria("publish", grant.writes),
                      Criteria("subscribe", grant.reads));
+}
+
+std::optional<WallTime> FindPermissionsEnd(std::string_view text) {
+  constexpr std::string_view kTag = "<not_after>";
+  const std::size_t at = text.find(kTag);
+  if (at == std::string_view::npos) return std::nullopt;
+  std::tm end{};
+  const std::string stamp(text.substr(at + kTag.size(), 19));
+  const char* const rest = ::strptime(stamp.c_str(), "%Y-%m-%dT%H:%M:%S", &end);
+  if (rest == nullptr || *rest != '\0') return std::nullopt;
+  return WallTime(std::chrono::seconds(::timegm(&end)));
 }
 
 }  // namespace waymark::session::keys

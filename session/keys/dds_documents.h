@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "session/keys/certificates.h"
@@ -20,5 +22,8 @@ struct Grant {
   std::vector<std::string> writes, reads;
 };
 std::string PermissionsXml(const Grant& grant);
+
+/// When permissions end, signed ones too; nothing where the text does not say so.
+std::optional<WallTime> FindPermissionsEnd(std::string_view text);
 
 }  // namespace waymark::session::keys

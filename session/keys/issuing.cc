@@ -59,8 +59,12 @@ Result<void> Check(const Authority::Request& request) {
 Result<fs::path> Authority::Issue(const Request& request) const {
   WAYMARK_TRY(Check(request));
   const fs::path out = request.out.empty() ? folder_ / "issued" / request.name : request.out;
-  if (fs::exists(out / "key.pem")) {
+  const bool is_there = fs::exists(out / "key.pem");
+  if (is_there && !request.is_renewal) {
     return MakeError(ErrorCode::kConflict, "{}: holds credentials already", out.string());
+  }
+  if (!is_there && request.is_renewal) {
+    return MakeError(ErrorCode::kNotFound, "{}: holds no credentials to renew", out.string());
   }
   WAYMARK_TRY_ASSIGN(const Credentials credentials,
                      identity_.Issue(request.name, request.validity));

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <csignal>
+#include <ctime>
 
 namespace waymark::session {
 
@@ -16,9 +18,13 @@ inline sigset_t BlockEndSignals() {
   return signals;
 }
 
-inline void AwaitSignal(const sigset_t& signals) {
-  int signal = 0;
-  ::sigwait(&signals, &signal);
+/// Calls `each` at once and every hour until a signal comes.
+template <typename Each>
+void AwaitSignal(const sigset_t& signals, const Each& each) {
+  constexpr timespec kHour{.tv_sec = 3600, .tv_nsec = 0};
+  do {
+    each();
+  } while (::sigtimedwait(&signals, nullptr, &kHour) < 0);
 }
 
 }  // namespace waymark::session

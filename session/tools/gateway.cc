@@ -75,13 +75,15 @@ Result<void> Run(Arguments arguments, const sigset_t& end_signals) {
     WAYMARK_TRY_ASSIGN(options.door, keys::TokenDoor::Open({.folder = arguments.security}));
     if (HasDdsCredentials(arguments.security)) options.dds.security_folder = arguments.security;
   }
+  keys::ExpiryWatch expiry(options.dds.security_folder, "gateway");
+  WAYMARK_TRY(expiry.CheckNow(WallNow()));
   WAYMARK_TRY_ASSIGN(const auto gateway, Gateway::Start(options));
   const bool is_open = options.listen.tls.certificate_chain_file.empty();
   fmt::print("ready pid={} address={} port={} tls={} tokens={} server={} domain={}\n", ::getpid(),
              options.listen.address, gateway->port(), is_open ? "no" : "yes",
              options.door ? "yes" : "no", options.dds.server, options.dds.domain);
   std::fflush(stdout);
-  AwaitSignal(end_signals);
+  AwaitSignal(end_signals, [&] { WarnOfExpiry(expiry); });
   fmt::print("ended: {}\n", ToString(gateway->Stop()));
   return {};
 }

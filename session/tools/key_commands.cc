@@ -11,6 +11,7 @@
 
 #include "mapping/base/log.h"
 #include "session/keys/authority.h"
+#include "session/keys/expiry.h"
 
 namespace waymark::session {
 namespace {
@@ -23,6 +24,7 @@ struct Arguments {
   double hours = 0;  // 0: as fits
   std::string what, id;
   std::filesystem::path out;
+  bool is_renewal = false;
 };
 
 keys::WallTime Now() {
@@ -65,11 +67,28 @@ Result<void> Issue(const Arguments& arguments) {
       .room = arguments.room,
       .validity = {now - std::chrono::minutes(5),  // clocks differ
                    now + std::chrono::seconds(static_cast<std::int64_t>(3600 * hours))},
-      .out = arguments.out};
+      .out = arguments.out,
+      .is_renewal = arguments.is_renewal};
   WAYMARK_TRY_ASSIGN(const auto folder, authority.Issue(request));
   fmt::print("{}\n", folder.string());
   fmt::print(stderr, "{} {} until {:%Y-%m-%d %H:%M:%S} UTC\n", arguments.what, arguments.id,
              request.validity.until);
+  return {};
+}
+
+Result<void> Show(const Arguments& arguments) {
+  WAYMARK_TRY_ASSIGN(const auto endings, keys::ListEndings(arguments.folder));
+  if (endings.empty()) {
+    return MakeError(ErrorCode::kNotFound,
+                     "{}: expected a folder of `waymark-keys init` or `issue`",
+                     arguments.folder.string());
+  }
+  for (const keys::Ending& ending : endings) {
+    const auto days = std::chrono::floor<std::chrono::days>(ending.until - Now()).count();
+    fmt::print("{:%Y-%m-%d %H:%M:%S} UTC  {:>9}  {}  ({})\n", ending.until,
+               ending.until > Now() ? fmt::format("{} days", days) : "ended", ending.file.string(),
+               ending.name);
+  }
   return {};
 }
 
@@ -100,6 +119,8 @@ void ParseArguments(CLI::App& app, Arguments& arguments, Command& chosen) {
       "  waymark-keys init KEYS\n"
       "  waymark-keys issue KEYS server main\n"
       "  waymark-serve --map MAP --store anchors.db --security KEYS/issued/main\n"
+      "  waymark-keys show KEYS                                what ends when\n"
+      "  waymark-keys issue KEYS server main --renew\n"
       "  waymark-keys token KEYS --room square --role moderator --hours 8\n"
       "  waymark-keys revoke KEYS token 0123456789abcdef     known everywhere within seconds");
   AddCommand(app, "init", "Makes the keys of a service", arguments, &Init, chosen);
@@ -127,6 +148,12 @@ void ParseArguments(CLI::App& app, Arguments& arguments, Command& chosen) {
                    "it is good for; without it 12 for a device, else 90 days")
       ->check(CLI::Range(0.01, 24.0 * 366));
   issue->add_option("--out", arguments.out, "folder; KEYS/issued/NAME without it");
+  issue->add_flag("--renew", arguments.is_renewal,
+                  "replaces what the folder holds; taken up when its server or gateway starts");
+  AddCommand(app, "show",
+             "Prints what ends when: of the keys and all that they issued, or of an "
+             "issued folder",
+             arguments, &Show, chosen);
   AddCommand(app, "rotate", "Has a new key sign tokens from now on", arguments, &Rotate, chosen);
   CLI::App* const revoke = AddCommand(
       app, "revoke", "Ends a token, all of a device, all that a key signed, or a gateway",

@@ -3,8 +3,12 @@
 
 #include <arpa/inet.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+
+#include "mapping/base/log.h"
+#include "session/keys/expiry.h"
 
 namespace waymark::session {
 
@@ -18,6 +22,14 @@ inline bool IsLoopback(const std::string& address) {
 /// Whether a folder of keys has what DDS Security needs, beside what tokens need.
 inline bool HasDdsCredentials(const std::string& folder) {
   return !folder.empty() && std::filesystem::exists(folder + "/certificate.pem");
+}
+
+inline keys::WallTime WallNow() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+inline void WarnOfExpiry(keys::ExpiryWatch& watch) {
+  if (const auto warning = watch.TakeWarning(WallNow())) LogWarning("{}", *warning);
 }
 
 }  // namespace waymark::session

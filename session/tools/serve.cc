@@ -56,6 +56,8 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   WAYMARK_TRY(CheckSecurity(arguments));
   ServerOptions options = arguments.server;
   if (HasDdsCredentials(arguments.security)) options.security_folder = arguments.security;
+  keys::ExpiryWatch expiry(options.security_folder, "server");
+  WAYMARK_TRY(expiry.CheckNow(WallNow()));
   options.rules_file = RulesFile(arguments);
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());
@@ -85,7 +87,7 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   std::fflush(stdout);
   {
     const ReleaseWatcher watcher(map, localiser, make_localise, *server);
-    AwaitSignal(end_signals);
+    AwaitSignal(end_signals, [&] { WarnOfExpiry(expiry); });
   }
   fmt::print("ended: {}\n", ToString(server->Stop()));
   return {};

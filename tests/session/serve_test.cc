@@ -204,6 +204,39 @@ TEST_F(Serve, ServesWithKeysThatItMade) {
   EXPECT_EQ(server.Terminate(), 0);
 }
 
+TEST_F(Serve, SaysInTimeWhenItsCredentialsEndAndDoesNotStartWithEndedOnes) {
+  MakeEmptyMap();
+  AskForTokens();
+  const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  const auto issue = [&](const std::string& name, keys::WallTime until) {
+    return authority_
+        ->Issue({.kind = keys::Authority::Request::Kind::kServer,
+                 .name = name,
+                 .validity = {now - std::chrono::hours(100), until}})
+        ->string();
+  };
+  std::vector<std::string> arguments = Arguments();
+  arguments.insert(arguments.end(), {"--security", issue("ended", now - std::chrono::hours(1))});
+  Peer ended(arguments, WAYMARK_SERVE);
+  EXPECT_THAT(ended.line(), AllOf(HasSubstr("ended/certificate.pem: has ended at"),
+                                  HasSubstr("server ended --renew")));
+  EXPECT_EQ(ended.AwaitEnd(), 1);
+  const std::string keys = authority_->folder().string();
+  Peer renewal({"keys", "issue", keys, "server", "ended", "--renew", "--hours", "100"},
+               WAYMARK_SERVE);
+  EXPECT_EQ(renewal.AwaitEnd(), 0);
+  Peer show({"keys", "show", keys}, WAYMARK_SERVE);
+  std::string shown;
+  for (std::string line = show.line(); !line.empty(); line = show.ReadLine()) shown += line + "\n";
+  EXPECT_EQ(show.AwaitEnd(), 0);
+  EXPECT_THAT(shown, testing::ContainsRegex("UTC +4 days  .*issued/ended/certificate.pem"));
+  Peer renewed(arguments, WAYMARK_SERVE);
+  EXPECT_THAT(renewed.line(), StartsWith("ready"));
+  EXPECT_THAT(renewed.ReadLine(), AllOf(HasSubstr("ended/certificate.pem: ends at"),
+                                        HasSubstr("in 4 days"), HasSubstr("--renew")));
+  EXPECT_EQ(renewed.Terminate(), 0);
+}
+
 TEST_F(Serve, SaysWhatIsMissing) {
   Peer without_map(Arguments(), WAYMARK_SERVE);
   EXPECT_THAT(without_map.line(), HasSubstr(MapPath().string()));
