@@ -42,8 +42,10 @@ struct AlignmentOptions {
   std::size_t max_fixes = 32;     ///< memory and time are O(1); the oldest goes first, [1, 1000]
   std::chrono::duration<double> stale_after{30};  ///< without a supporting fix for so long
   int min_supporting_fixes = 3;                   ///< agreeing fixes that make `fixed`
-  double sigma_floor_m = 0.05;                    ///< map and drift error, added to every fix's own
-  Angle sigma_floor_angle = Angle::Degrees(1);    ///< likewise for its rotation
+  /// Map and drift error, added to every fix's own; once more to the answer's: the map's is in all
+  /// fixes alike.
+  double sigma_floor_m = 0.05;
+  Angle sigma_floor_angle = Angle::Degrees(1);  ///< added to the sigma of every fix's rotation
   Angle max_disagreement_angle = Angle::Degrees(20);  ///< turned or tilted farther: left out
   AlignmentFreedom freedom = AlignmentFreedom::kYawAndTranslation;
 
@@ -61,7 +63,8 @@ enum class AlignmentState : std::uint8_t {
 struct Alignment {
   AlignmentState state = AlignmentState::kNever;
   std::optional<Transform<Map, Vo>> map_from_vo;  ///< absent while kNever
-  /// Of Perturb's delta of map_from_vo; grows with the age of the fixes.
+  /// Of Perturb's delta of map_from_vo; grows with the age of the fixes. With four freedoms the
+  /// tilt that fixes see and the alignment does not follow is part of it.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
   int supporting_fixes = 0;     ///< that agree with it
   int contradicting_fixes = 0;  ///< kept, but left out

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/device/agreement.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace waymark::session {
@@ -12,9 +13,14 @@ constexpr double k95OfThree = 2.7955;
 
 double Square(double x) { return x * x; }
 
-/// Of what is shown, on an axis: turns move it across the line of sight alone, on two of three.
+// Of a phone's position, what the map is off by.
+const double kMapSigma_m = localiser::AlignmentOptions{}.sigma_floor_m;
+
+/// Of what is shown in the map as it is, on an axis: turns move it across the line of sight alone,
+/// on two of three.
 double VarianceOfShown(const PoseCertainty& certainty, double distance_m) {
-  return Square(certainty.sigma_m) + 2.0 / 3 * Square(certainty.rotation_sigma_rad * distance_m);
+  return std::max(0.0, Square(certainty.sigma_m) - Square(kMapSigma_m)) +
+         2.0 / 3 * Square(certainty.rotation_sigma_rad * distance_m);
 }
 
 double DistanceTo(const Transform<Map, Device>& map_from_device, const SharedAnchor& anchor) {

@@ -16,9 +16,10 @@ struct ExpectedDistance {
   double p50_m = 0;
   double p95_m = 0;
 };
-/// For content `first_m` and `second_m` away from the phones, whose errors are independent and the
-/// same on all axes: those of what both stand on, the map itself, cancel, so the phones are rather
-/// nearer to each other than this.
+/// For content `first_m` and `second_m` away from the phones, whose errors are the same on all
+/// axes, and independent but for the map's: both stand on it, so that what an alignment allows for
+/// it by default (`AlignmentOptions::sigma_floor_m`) is taken off. Phones that see other submaps of
+/// a badly joined map are farther from each other than this.
 ExpectedDistance ExpectDistance(const PoseCertainty& first, double first_m,
                                 const PoseCertainty& second, double second_m);
 

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include <cmath>
 #include <limits>
 
@@ -184,6 +186,43 @@ TEST(OdometryAlignment, CovarianceCoversTheErrorAndGrowsWithAge) {
     EXPECT_GT(later.covariance(0, 0), answer.covariance(0, 0));
   }
   EXPECT_GE(covered, 47);
+}
+
+double TiltSigma(const Alignment& answer) {
+  return std::sqrt(answer.covariance.block<2, 2>(3, 3).trace() / 2);
+}
+
+TEST(OdometryAlignment, ManyFixesTellTheTiltAndNoneTellsTheMapsOwnError) {
+  SimulatedWalk walk({}, 1);
+  OdometryAlignment alignment({});
+  alignment.AddFix(walk.Fix(0));
+  const double tilt_of_one = TiltSigma(alignment.Estimate(walk.Time(0)));
+  for (int i = 1; i < 32; ++i) alignment.AddFix(walk.Fix(i));
+  const Alignment answer = alignment.Estimate(walk.Time(31));
+  EXPECT_LT(TiltSigma(answer), 0.8 * tilt_of_one);
+  const Eigen::Vector3d lever =
+      answer.map_from_vo->rotation() * walk.VoFromDevice(31).translation();
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Eigen::Matrix3d::Identity(), -CrossMatrix(lever);
+  const Eigen::Matrix3d position = jacobian * answer.covariance * jacobian.transpose();
+  const double floor_m = AlignmentOptions{}.sigma_floor_m;
+  EXPECT_GT(position.eigenvalues().real().minCoeff(), floor_m * floor_m);
+}
+
+TEST(OdometryAlignment, StaysUprightWhereFixesLeanAndSaysSo) {
+  constexpr double kLean = 0.03;
+  SimulatedWalk walk({}, 1);
+  OdometryAlignment alignment({});
+  for (int i = 0; i < 20; ++i) {
+    const Rigid3 truth = walk.MapFromDevice(i).rigid();
+    const Eigen::Quaterniond leaning = RotationFromVector({kLean, 0, 0}) * truth.rotation();
+    alignment.AddFix(walk.FixAt(i, {leaning, truth.translation()}));
+  }
+  const Alignment answer = alignment.Estimate(walk.Time(20));
+  const Eigen::Vector3d up = answer.map_from_vo->rotation() * Eigen::Vector3d::UnitZ();
+  EXPECT_NEAR(up.z(), 1, 1e-9);
+  EXPECT_GT(std::sqrt(answer.covariance(3, 3)), kLean / 3);
+  EXPECT_GT(answer.covariance(3, 3), 3 * answer.covariance(4, 4));
 }
 
 TEST(OdometryAlignment, GoesStaleWhenNoFixArrivesAndRecoversWithNewOnes) {

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <cmath>
 #include <random>
 
 #include "mapping/base/quantile.h"
@@ -39,11 +40,15 @@ SharedAnchor Anchor(double x) {
           .payload = ""};
 }
 
-// Both draw the same content with errors as they say: the distances are as expected.
+// Both draw the same content with errors as they say, in a map that is off by as much for both: the
+// distances are as expected.
 TEST(Agreement, IsTheDistanceThatErrorsOfSuchSizeBringAbout) {
   std::mt19937_64 bits(4);
   std::normal_distribution<double> normal;
-  const PoseCertainty anna{0.03, 0.01}, ben{0.05, 0.002};
+  const double map_sigma_m = localiser::AlignmentOptions{}.sigma_floor_m;
+  const PoseCertainty anna_in_map{0.03, 0.01}, ben_in_map{0.05, 0.002};
+  const PoseCertainty anna{std::hypot(0.03, map_sigma_m), 0.01};
+  const PoseCertainty ben{std::hypot(0.05, map_sigma_m), 0.002};
   const auto shown_by = [&](const PoseCertainty& certainty, double distance_m) {
     const Eigen::Vector3d ahead(distance_m, 0, 0);
     const auto three = [&](double sigma) {
@@ -55,7 +60,7 @@ TEST(Agreement, IsTheDistanceThatErrorsOfSuchSizeBringAbout) {
   };
   std::vector<double> apart_m;
   for (int i = 0; i < 20'000; ++i)
-    apart_m.push_back((shown_by(anna, 6) - shown_by(ben, 15)).norm());
+    apart_m.push_back((shown_by(anna_in_map, 6) - shown_by(ben_in_map, 15)).norm());
   const ExpectedDistance expected = ExpectDistance(anna, 6, ben, 15);
   EXPECT_NEAR(Quantile(apart_m, 0.5) / expected.p50_m, 1, 0.05);
   EXPECT_NEAR(Quantile(apart_m, 0.95) / expected.p95_m, 1, 0.05);
