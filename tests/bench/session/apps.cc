@@ -63,6 +63,7 @@ Result<AppTimes> MeasureApps(const AppOptions& wanted) {
     return MakeError(ErrorCode::kTimeout, "the placing phone is not localised");
   for (int i = 0; i < wanted.anchors; ++i) {
     phone.Live();
+    const auto asked = Clock::now();
     WAYMARK_TRY_ASSIGN(
         const SharedAnchor placed,
         placing->PlaceAnchor({Eigen::Quaterniond::Identity(), {2, 0, 0}}, "note", "x"));
@@ -72,6 +73,7 @@ Result<AppTimes> MeasureApps(const AppOptions& wanted) {
                        placed.id.text());
     }
     times.anchors_ms.push_back(MsSince(acknowledged));
+    times.asked_ms.push_back(MsSince(asked));
   }
   return times;
 }

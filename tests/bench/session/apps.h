@@ -12,8 +12,9 @@ namespace waymark::bench {
 struct AppTimes {
   /// Until it holds all anchors around it and knows where the others are.
   std::vector<float> joins_ms;
-  std::size_t anchors_held = 0;   ///< then
-  std::vector<float> anchors_ms;  ///< from the acknowledgement until another phone has the anchor
+  std::size_t anchors_held = 0;  ///< then
+  std::vector<float> anchors_ms,
+      asked_ms;  ///< from the acknowledgement until another phone has the anchor
 };
 
 struct AppOptions {

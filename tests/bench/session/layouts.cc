@@ -57,6 +57,34 @@ void Observe(const Child& server, const Child* gateway, const Walk& walk, Row& r
 /// So near that everybody is told of everybody at every tick.
 constexpr double kCloseRoom_m = 5;
 
+constexpr int kOthers = 100, kFewOthers = 20;  // phones beside apps
+
+/// Apps that join a room with the anchors of a city in which others walk.
+Result<AppTimes> MeasureAppsBeside(int others, bool is_direct, const Flags& flags) {
+  WAYMARK_TRY_ASSIGN(const Child server,
+                     Child::Start({"server", fmt::format("--anchors={}", flags.city_anchors),
+                                   fmt::format("--city={}", flags.city_m)}));
+  WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
+  WAYMARK_TRY_ASSIGN(const auto crowd,
+                     Crowd::Connect(PortOf(gateway), {.phones = others, .edge_m = flags.square_m}));
+  WAYMARK_TRY(crowd->JoinAll());
+  std::atomic<bool> is_over = false;
+  std::thread walking([&] {
+    while (!is_over) (void)crowd->Walk(0.1);
+  });
+  auto times = MeasureApps(
+      {.server = is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
+       .domain = std::stoi(server.line()),
+       .room = "room0",
+       .others = others,
+       .joins = flags.joins,
+       .anchors = flags.anchors,
+       .anchor_radius_m = flags.anchor_radius_m});
+  is_over = true;
+  walking.join();
+  return times;
+}
+
 }  // namespace
 
 Result<Row> MeasureGateway(const std::string& layout, int phones, const Flags& flags) {
@@ -88,60 +116,62 @@ Result<Row> MeasureBus(int phones, const Flags& flags) {
 }
 
 Result<void> MeasureAppTimes(const Flags& flags) {
-  constexpr int kOthers = 100;
   for (const bool is_direct : {false, true}) {
-    WAYMARK_TRY_ASSIGN(const Child server,
-                       Child::Start({"server", fmt::format("--anchors={}", flags.city_anchors),
-                                     fmt::format("--city={}", flags.city_m)}));
-    WAYMARK_TRY_ASSIGN(const Child gateway, Child::Start({"gateway", server.line()}));
-    WAYMARK_TRY_ASSIGN(
-        const auto crowd,
-        Crowd::Connect(PortOf(gateway), {.phones = kOthers, .edge_m = flags.square_m}));
-    WAYMARK_TRY(crowd->JoinAll());
-    std::atomic<bool> is_over = false;
-    std::thread walking([&] {
-      while (!is_over) (void)crowd->Walk(0.1);
-    });
-    const auto times = MeasureApps(
-        {.server = is_direct ? "127.0.0.1" : fmt::format("ws://127.0.0.1:{}", gateway.line()),
-         .domain = std::stoi(server.line()),
-         .room = "room0",
-         .others = kOthers,
-         .joins = flags.joins,
-         .anchors = flags.anchors,
-         .anchor_radius_m = flags.anchor_radius_m});
-    is_over = true;
-    walking.join();
-    if (!times) return times.error();
+    WAYMARK_TRY_ASSIGN(const AppTimes times, MeasureAppsBeside(kOthers, is_direct, flags));
     fmt::print(
         "apps {}, beside {} phones: late join p50 {:.0f}, p99 {:.0f} ms ({} times), with {} of {} "
         "anchors; acknowledged anchor to another phone p50 {:.1f}, p99 {:.1f} ms ({} times)\n",
-        is_direct ? "on the bus" : "through a gateway", kOthers,
-        Quantile(times->joins_ms, 0.5, NAN), Quantile(times->joins_ms, 0.99, NAN), flags.joins,
-        times->anchors_held, flags.city_anchors, Quantile(times->anchors_ms, 0.5, NAN),
-        Quantile(times->anchors_ms, 0.99, NAN), flags.anchors);
+        is_direct ? "on the bus" : "through a gateway", kOthers, Quantile(times.joins_ms, 0.5, NAN),
+        Quantile(times.joins_ms, 0.99, NAN), flags.joins, times.anchors_held, flags.city_anchors,
+        Quantile(times.anchors_ms, 0.5, NAN), Quantile(times.anchors_ms, 0.99, NAN), flags.anchors);
   }
   return {};
 }
 
 Result<void> MeasureAllPeers(const Flags& flags) {
+  constexpr const char* kWay = "gateway and server";
   std::vector<PeerRow> ours;
-  for (const int phones : flags.phones) {
-    WAYMARK_TRY_ASSIGN(const Row row, MeasureGateway("peers", phones, flags));
-    ours.push_back({.way = "gateway and server",
-                    .phones = phones,
-                    .poses_per_s = row.poses_per_s * phones,
-                    .share = row.poses_per_s / (flags.hz * (flags.per_room - 1)),
-                    .age_p50_ms = row.age_p50_ms,
-                    .age_p99_ms = row.age_p99_ms,
-                    .broker_cores = row.server_cores + row.gateway_cores,
-                    .phones_cores = row.generator_cores});
+  for (const std::string layout : {"peers", "city"}) {
+    const bool is_city = layout == "city";
+    for (const int phones : flags.phones) {
+      WAYMARK_TRY_ASSIGN(const Row row, MeasureGateway(layout, phones, flags));
+      const double due = flags.hz * (flags.per_room - 1);
+      ours.push_back({.scene = is_city ? "city" : "rooms",
+                      .way = kWay,
+                      .phones = phones,
+                      .poses_per_s = row.poses_per_s * phones,
+                      .share = is_city ? row.delivered : row.poses_per_s / due,
+                      .age_p50_ms = row.age_p50_ms,
+                      .age_p99_ms = row.age_p99_ms,
+                      .bytes_per_s = row.bytes_per_s,
+                      .broker_cores = row.server_cores + row.gateway_cores,
+                      .phones_cores = row.generator_cores});
+    }
+  }
+  std::vector<PeerAnchorRow> our_anchors;
+  for (const int others : {kFewOthers, kOthers}) {
+    WAYMARK_TRY_ASSIGN(AppTimes times, MeasureAppsBeside(others, false, flags));
+    our_anchors.push_back({.way = kWay,
+                           .others = others,
+                           .times = {.joins_ms = std::move(times.joins_ms),
+                                     .acknowledged_ms = std::move(times.anchors_ms),
+                                     .sent_ms = std::move(times.asked_ms),
+                                     .anchors_held = times.anchors_held}});
   }
   return MeasurePeers({.phones = flags.phones,
                        .per_room = flags.per_room,
                        .hz = flags.hz,
-                       .seconds = flags.seconds},
-                      ours);
+                       .seconds = flags.seconds,
+                       .city_m = flags.city_m,
+                       .others = {kFewOthers, kOthers},
+                       .anchors = {.square_m = flags.square_m,
+                                   .hz = flags.hz,
+                                   .city_anchors = flags.city_anchors,
+                                   .city_m = flags.city_m,
+                                   .radius_m = flags.anchor_radius_m,
+                                   .joins = flags.joins,
+                                   .anchors = flags.anchors}},
+                      ours, our_anchors);
 }
 
 Result<void> MeasureChurnOfGateway(const Flags& flags) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <optional>
 #include <thread>
 
 #include "session/wire/frames.h"
@@ -22,18 +23,32 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 constexpr std::chrono::milliseconds kSlice{1};  // as Crowd
-constexpr double kEdge_m = 5;
+constexpr double kRoom_m = 5;
+constexpr int kGroup = 4;  // of a city
+
+Walker WalkerOf(const PeerCrowd::Options& options, int phone) {
+  const bool is_city = options.city_m > 0;
+  const int groups = (options.phones + kGroup - 1) / kGroup;
+  const int group = is_city ? phone % groups : phone / options.per_room;
+  return Walker(static_cast<std::uint64_t>(group),
+                static_cast<std::uint64_t>(is_city ? phone / groups : phone),
+                is_city ? options.city_m : kRoom_m);
+}
 
 }  // namespace
 
 struct PeerCrowd::Phone {
   ByteStream stream;
-  int room;
   Ticket ticket;
   Walker walker;
+  int topic = 0;  // that it publishes to
+  std::optional<Cell> cell = {};
   Bytes waiting = {};  // of a packet that is not whole
 
   int descriptor() const { return stream.descriptor(); }
+  void Send(const Bytes& bytes) const {
+    (void)::send(descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+  }
 };
 
 PeerCrowd::PeerCrowd(const Protocol& protocol, const Options& options)
@@ -47,30 +62,64 @@ Result<std::unique_ptr<PeerCrowd>> PeerCrowd::Connect(std::uint16_t port, const 
   for (int i = 0; i < options.phones; ++i) {
     WAYMARK_TRY_ASSIGN(ByteStream stream, ByteStream::Connect(port, false));
     const int descriptor = stream.descriptor();
-    const auto number = static_cast<std::uint64_t>(i);
-    const int room = i / options.per_room;
-    crowd->phones_.push_back(
-        std::make_unique<Phone>(Phone{std::move(stream), room, Ticket{number + 1},
-                                      Walker(static_cast<std::uint64_t>(room), number, kEdge_m)}));
-    const Bytes greeting = protocol.Greeting(i, room);
-    (void)::send(descriptor, greeting.data(), greeting.size(), MSG_NOSIGNAL);
+    crowd->phones_.push_back(std::make_unique<Phone>(
+        Phone{std::move(stream), Ticket{static_cast<std::uint64_t>(i) + 1}, WalkerOf(options, i)}));
+    Phone& phone = *crowd->phones_.back();
+    phone.Send(protocol.Greeting(options.first_phone + i));
     char letter = 0;
     if (::recv(descriptor, &letter, 1, MSG_PEEK) != 1) {
       return MakeError(ErrorCode::kUnavailable, "127.0.0.1:{}: phone {} is not answered", port, i);
     }
-    crowd->phones_.back()->stream.SetNonBlocking();
-    epoll_event event{.events = EPOLLIN, .data = {.ptr = crowd->phones_.back().get()}};
+    if (options.city_m > 0) {
+      const auto position = phone.walker.PoseAt(Now()).map_from_device.translation();
+      crowd->Enter(phone, Cell::At(position.x(), position.y()));
+    } else {
+      phone.topic = i / options.per_room;
+      phone.Send(protocol.Subscribe(phone.topic));
+    }
+    phone.stream.SetNonBlocking();
+    epoll_event event{.events = EPOLLIN, .data = {.ptr = &phone}};
     ::epoll_ctl(crowd->poll_, EPOLL_CTL_ADD, descriptor, &event);
   }
   return crowd;
 }
 
+/// Subscribes to the nine around it; what it heard before and is not among them it leaves.
+void PeerCrowd::Enter(Phone& phone, const Cell& cell) {
+  const auto before = phone.cell ? phone.cell->Around() : std::vector<Cell>();
+  const auto now = cell.Around();
+  const auto is_in = [](const std::vector<Cell>& cells, const Cell& one) {
+    return std::ranges::find(cells, one) != cells.end();
+  };
+  for (const Cell& left : before) {
+    if (!is_in(now, left)) phone.Send(protocol_.Unsubscribe(left.topic()));
+  }
+  for (const Cell& entered : now) {
+    if (!is_in(before, entered)) phone.Send(protocol_.Subscribe(entered.topic()));
+  }
+  if (phone.cell) --in_cell_[*phone.cell];
+  ++in_cell_[cell];
+  if (is_counting_) ++heard_.moves;
+  phone.cell = cell;
+  phone.topic = cell.topic();
+}
+
 void PeerCrowd::Report(std::size_t i) {
-  const Phone& phone = *phones_[i];
-  const auto payload =
-      wire::EncodeFrame(wire::Upward(PoseReport{phone.ticket, phone.walker.PoseAt(Now())}));
-  const Bytes packet = protocol_.Publication(phone.room, payload);
-  (void)::send(phone.descriptor(), packet.data(), packet.size(), MSG_NOSIGNAL);
+  Phone& phone = *phones_[i];
+  const LivePose pose = phone.walker.PoseAt(Now());
+  int listeners = options_.per_room - 1;
+  if (options_.city_m > 0) {
+    const auto position = pose.map_from_device.translation();
+    const Cell cell = Cell::At(position.x(), position.y());
+    if (cell != phone.cell) Enter(phone, cell);
+    listeners = -1;
+    for (const Cell& near : cell.Around()) {
+      if (const auto in = in_cell_.find(near); in != in_cell_.end()) listeners += in->second;
+    }
+  }
+  if (is_counting_) heard_.due += static_cast<std::uint64_t>(listeners);
+  phone.Send(protocol_.Publish(phone.topic,
+                               wire::EncodeFrame(wire::Upward(PoseReport{phone.ticket, pose}))));
 }
 
 void PeerCrowd::Listen() {
@@ -89,6 +138,7 @@ bool PeerCrowd::Receive(Phone& phone) {
   const ssize_t count = ::recv(phone.descriptor(), buffer.data(), buffer.size(), 0);
   if (count <= 0) return count < 0 && (errno == EAGAIN || errno == EINTR);
   std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
+  if (is_counting_) heard_.bytes += bytes.size();
   if (!phone.waiting.empty()) {
     phone.waiting.insert(phone.waiting.end(), bytes.begin(), bytes.end());
     bytes = phone.waiting;

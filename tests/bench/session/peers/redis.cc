@@ -10,7 +10,12 @@
 namespace waymark::bench {
 namespace {
 
-std::string RoomOf(int room) { return fmt::format("room{}", room); }
+std::string TopicOf(int topic) { return fmt::format("t{}", topic); }
+std::string KeptOf(int topic) { return fmt::format("k{}", topic); }
+
+std::string_view TextOf(std::span<const std::uint8_t> payload) {
+  return {reinterpret_cast<const char*>(payload.data()), payload.size()};
+}
 
 Bytes Command(std::initializer_list<std::string_view> words) {
   std::string text = fmt::format("*{}\r\n", words.size());
@@ -74,29 +79,40 @@ class Reader {
 
 class Redis final : public Protocol {
  public:
-  Bytes Greeting(int, int room) const override {
-    Bytes bytes = Command({"HELLO", "3"});
-    const Bytes subscribe = Command({"SUBSCRIBE", RoomOf(room)});
-    bytes.insert(bytes.end(), subscribe.begin(), subscribe.end());
-    return bytes;
+  Bytes Greeting(int) const override { return Command({"HELLO", "3"}); }
+  Bytes Subscribe(int topic) const override { return Command({"SUBSCRIBE", TopicOf(topic)}); }
+  Bytes Unsubscribe(int topic) const override { return Command({"UNSUBSCRIBE", TopicOf(topic)}); }
+  Bytes Publish(int topic, std::span<const std::uint8_t> payload) const override {
+    return Command({"PUBLISH", TopicOf(topic), TextOf(payload)});
   }
 
-  Bytes Publication(int room, std::span<const std::uint8_t> payload) const override {
-    return Command(
-        {"PUBLISH", RoomOf(room), {reinterpret_cast<const char*>(payload.data()), payload.size()}});
+  Bytes SubscribeToKept(int topic) const override {
+    return Both(Command({"SUBSCRIBE", KeptOf(topic)}), Command({"HVALS", KeptOf(topic)}));
   }
+  Bytes Keep(int topic, int key, std::span<const std::uint8_t> payload) const override {
+    return Both(Command({"HSET", KeptOf(topic), std::to_string(key), TextOf(payload)}),
+                Command({"PUBLISH", KeptOf(topic), TextOf(payload)}));
+  }
+  int AnswersToKeep() const override { return 2; }
 
   Packet FindPacket(std::span<const std::uint8_t> heard) const override {
     Reader reader({reinterpret_cast<const char*>(heard.data()), heard.size()});
     std::vector<Reader::Value> parts;
     const auto value = reader.Read(&parts);
     if (!reader.is_whole()) return {};
-    Packet packet{.size = reader.at()};
+    Packet packet{.size = reader.at(), .is_answer = value.kind == ':'};
+    if (value.kind == '*') packet.kept = static_cast<int>(parts.size());
     if (value.kind == '>' && parts.size() == 3 && parts[0].text == "message") {
       const std::string_view payload = parts[2].text;
       packet.payload = {reinterpret_cast<const std::uint8_t*>(payload.data()), payload.size()};
     }
     return packet;
+  }
+
+ private:
+  static Bytes Both(Bytes first, const Bytes& second) {
+    first.insert(first.end(), second.begin(), second.end());
+    return first;
   }
 };
 

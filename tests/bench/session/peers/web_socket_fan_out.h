@@ -8,8 +8,9 @@
 
 namespace waymark::bench {
 
-/// A server that passes on each message to all others of its room, and does nothing else: on the
-/// sockets of the gateway, which send together what waits for a phone.
+/// A server that passes on each message to all others who subscribe to its topic, keeps the latest
+/// of each key where that is asked, and does nothing else: on the sockets of the gateway, which
+/// send together what waits for a phone.
 class FanOut {
  public:
   FanOut();
