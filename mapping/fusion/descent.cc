@@ -25,11 +25,19 @@ void Descent::Begin(OverlapLoss loss) {
   equations_.Forget();
   cost_ = equations_.Linearise(places_, loss_);
   damping_ = 0;
+  is_behind_ = false;
   longest_motion_m_ = std::numeric_limits<double>::infinity();
 }
 
-void Descent::Follow(const std::vector<Place>& before) {
-  cost_ += equations_.Follow(before, places_, loss_);
+void Descent::BeginAsPart(const Descent& whole) {
+  loss_ = whole.loss_;
+  cost_ = equations_.BeginAsPart(whole.equations_, places_, loss_);
+}
+
+void Descent::Follow(Descent& part) {
+  if (part.is_behind_) part.equations_.Linearise(places_, loss_);
+  part.is_behind_ = false;
+  cost_ += equations_.Follow(part.equations_);
 }
 
 void Descent::TryStep(double tolerance_m) {
@@ -47,6 +55,7 @@ void Descent::TryStep(double tolerance_m) {
   const double longest_m = *std::max_element(motions_m_.begin(), motions_m_.end());
   if (longest_m < tolerance_m && damping_ <= kLeastDamping) {  // settled: nobody asks for more
     longest_motion_m_ = longest_m;
+    is_behind_ = true;
     return;
   }
   const double cost = equations_.Linearise(places_, loss_);
@@ -60,6 +69,12 @@ void Descent::TryStep(double tolerance_m) {
     equations_.Linearise(places_, loss_);
     Damp();
   }
+}
+
+std::vector<bool> Descent::ListFree() const {
+  std::vector<bool> is_free(places_.size(), false);
+  for (const std::uint32_t i : equations_.free()) is_free[i] = true;
+  return is_free;
 }
 
 std::vector<bool> Descent::FindMoving(double motion_m) const {

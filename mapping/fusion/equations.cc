@@ -2,7 +2,6 @@
 #include "mapping/fusion/internal/equations.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "mapping/fusion/internal/conjugate_gradients.h"
 
@@ -11,7 +10,6 @@ namespace {
 
 // Holds directions that no term speaks of; 1e-9 of what one shared image says.
 constexpr double kLeastStiffness = 1e-6;
-constexpr std::uint32_t kHeld = std::numeric_limits<std::uint32_t>::max();
 // Overlaps are linearised in batches whose equations stay in the cache until they are added up; a
 // thread takes a group of them at a time.
 constexpr std::size_t kBatch = 128;
@@ -21,19 +19,6 @@ constexpr std::size_t kGroup = 16;
 // more than half of the way, the next step has a factor of its own.
 constexpr GradientsLimit kGradientsLimit{.accuracy = 0.1, .iterations = 2};
 constexpr double kFarEnough = 0.5;
-
-void Subtract(const OverlapEquations& b, OverlapEquations& a) {
-  a.first -= b.first;
-  a.second -= b.second;
-  a.gradient_first -= b.gradient_first;
-  a.gradient_second -= b.gradient_second;
-  a.cost -= b.cost;
-}
-
-bool IsSame(const Place& a, const Place& b) {
-  return a.centroid_in_map == b.centroid_in_map && a.log_scale == b.log_scale &&
-         a.rotation.coeffs() == b.rotation.coeffs();
-}
 
 }  // namespace
 
@@ -45,86 +30,59 @@ Equations::Equations(const FusionTerms& terms, const std::vector<bool>& is_free,
     unknown_of_[i] = static_cast<std::uint32_t>(free_.size());
     free_.push_back(i);
   }
+  std::size_t borders = 0;
   for (std::size_t k = 0; k < terms.pairs.size(); ++k) {
     const BlockEdge edge{unknown_of_[terms.pairs[k].first], unknown_of_[terms.pairs[k].second]};
     if (edge.first == kHeld && edge.second == kHeld) continue;
-    overlaps_.push_back(&terms.overlaps[k]);
-    if (edge.first != kHeld && edge.second != kHeld) edges_.push_back(edge);
+    const bool is_border = edge.first == kHeld || edge.second == kHeld;
+    overlaps_.push_back({&terms.overlaps[k], is_border, is_border ? borders : edges_.size()});
+    if (is_border) ++borders;
+    if (!is_border) edges_.push_back(edge);
   }
   matrix_.diagonal.resize(free_.size());
   matrix_.off_diagonal.resize(edges_.size());
   gradient_.resize(free_.size());
+  cost_of_submap_.resize(free_.size());
+  cost_of_overlap_.resize(overlaps_.size());
   std::vector<Eigen::Vector2d> positions;
   for (const std::uint32_t i : free_) positions.push_back(places[i].centroid_in_map.head<2>());
   cholesky_.emplace(ChooseEliminationOrder(positions, edges_), edges_);
 }
 
 double Equations::Linearise(const std::vector<Place>& places, OverlapLoss loss) {
-  double cost = 0;
   for (std::size_t u = 0; u < free_.size(); ++u) {
     matrix_.diagonal[u].setZero();
     gradient_[u].setZero();
-    cost += AddSubmapTerm(terms_.submaps[free_[u]], places[free_[u]], options_, matrix_.diagonal[u],
-                          gradient_[u]);
+    cost_of_submap_[u] = AddSubmapTerm(terms_.submaps[free_[u]], places[free_[u]], options_,
+                                       matrix_.diagonal[u], gradient_[u]);
   }
-  std::size_t edge = 0;
   for (std::size_t begin = 0; begin < overlaps_.size(); begin += kBatch) {
     const std::size_t size = std::min(kBatch, overlaps_.size() - begin);
     of_overlap_.resize(size);
     ParallelFor((size + kGroup - 1) / kGroup, options_.parallelism, [&](std::size_t group) {
       for (std::size_t k = group * kGroup; k < std::min(size, (group + 1) * kGroup); ++k) {
-        const OverlapTerm& term = *overlaps_[begin + k];
+        const OverlapTerm& term = *overlaps_[begin + k].term;
         mapping::Linearise(term, places[term.first], places[term.second], loss, options_,
                            of_overlap_[k]);
       }
     });
-    for (std::size_t k = 0; k < size; ++k) {
-      cost += of_overlap_[k].cost;
-      edge += AddOverlap(*overlaps_[begin + k], of_overlap_[k], edge);
-    }
+    for (std::size_t k = 0; k < size; ++k) AddOverlap(begin + k, of_overlap_[k]);
   }
+  return Cost();
+}
+
+double Equations::Cost() const {
+  double cost = 0;
+  for (const double of_submap : cost_of_submap_) cost += of_submap;
+  for (const double of_overlap : cost_of_overlap_) cost += of_overlap;
   return cost;
 }
 
-double Equations::FollowSubmap(std::uint32_t unknown, const Place& before, const Place& after) {
-  const SubmapTerm& term = terms_.submaps[free_[unknown]];
-  Block was = Block::Zero();
-  BlockVector gradient_was = BlockVector::Zero();
-  const double cost_was = AddSubmapTerm(term, before, options_, was, gradient_was);
-  matrix_.diagonal[unknown] -= was;
-  gradient_[unknown] -= gradient_was;
-  return AddSubmapTerm(term, after, options_, matrix_.diagonal[unknown], gradient_[unknown]) -
-         cost_was;
-}
-
-double Equations::Follow(const std::vector<Place>& before, const std::vector<Place>& after,
-                         OverlapLoss loss) {
-  double growth = 0;
-  std::vector<bool> has_moved(before.size());
-  for (std::size_t i = 0; i < before.size(); ++i) has_moved[i] = !IsSame(before[i], after[i]);
-  for (std::uint32_t u = 0; u < free_.size(); ++u) {
-    if (has_moved[free_[u]]) growth += FollowSubmap(u, before[free_[u]], after[free_[u]]);
-  }
-  std::size_t edge = 0;
-  OverlapEquations now, was;
-  for (const OverlapTerm* term : overlaps_) {
-    if (!has_moved[term->first] && !has_moved[term->second]) {
-      edge += unknown_of_[term->first] != kHeld && unknown_of_[term->second] != kHeld;
-      continue;
-    }
-    mapping::Linearise(*term, before[term->first], before[term->second], loss, options_, was);
-    mapping::Linearise(*term, after[term->first], after[term->second], loss, options_, now);
-    Subtract(was, now);
-    growth += now.cost;
-    edge += AddOverlap(*term, now, edge);
-  }
-  return growth;
-}
-
-std::size_t Equations::AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
-                                  std::size_t edge) {
-  const std::uint32_t first = unknown_of_[term.first];
-  const std::uint32_t second = unknown_of_[term.second];
+void Equations::AddOverlap(std::size_t k, const OverlapEquations& equations) {
+  const auto& [term, is_border, index] = overlaps_[k];
+  cost_of_overlap_[k] = equations.cost;
+  const std::uint32_t first = unknown_of_[term->first];
+  const std::uint32_t second = unknown_of_[term->second];
   if (first != kHeld) {
     matrix_.diagonal[first] += equations.first;
     gradient_[first] += equations.gradient_first;
@@ -133,9 +91,8 @@ std::size_t Equations::AddOverlap(const OverlapTerm& term, const OverlapEquation
     matrix_.diagonal[second] += equations.second;
     gradient_[second] += equations.gradient_second;
   }
-  if (first == kHeld || second == kHeld) return 0;
-  matrix_.off_diagonal[edge] = equations.cross;
-  return 1;
+  if (!is_border) matrix_.off_diagonal[index] = equations.cross;
+  if (is_border && !border_.empty()) border_[index] = equations;
 }
 
 std::optional<std::vector<BlockVector>> Equations::FindStep(double damping) {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kMaxDamping = 1e8;
 // Submaps rest that move by less than this share of the longest motion.
-constexpr double kResting = 0.2;
-constexpr std::size_t kFew = 8;  // times as many, or looking at all costs less than looking twice
+constexpr double kResting = 0.3;
+constexpr std::size_t kFew = 4;  // times as many, or looking at all costs less than looking twice
 
 std::size_t CountTrue(const std::vector<bool>& flags) {
   return static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
@@ -20,14 +20,9 @@ std::size_t CountTrue(const std::vector<bool>& flags) {
 
 FusionSolver::FusionSolver(const FusionTerms& terms, const std::vector<bool>& is_free,
                            const FusionOptions& options, std::vector<Place>& places)
-    : terms_(terms),
-      is_free_(is_free),
-      options_(options),
-      places_(places),
-      whole_(terms, is_free, options, places) {}
+    : terms_(terms), options_(options), places_(places), whole_(terms, is_free, options, places) {}
 
 Result<SolverSummary> FusionSolver::Solve(OverlapLoss loss, const StopAt& stop) {
-  loss_ = loss;
   stop_ = stop;
   summary_ = {.steps = 0, .converged = true};
   if (whole_.free_count() == 0) return summary_;
@@ -60,13 +55,12 @@ Result<bool> FusionSolver::Settle(Descent& descent, double motion_m) {
 /// other. The others rest meanwhile.
 Result<void> FusionSolver::SettleFarthest(Descent& descent, double motion_m) {
   std::vector<bool> is_moving = descent.FindMoving(motion_m);
-  Widen(terms_, is_free_, 1, is_moving);
+  Widen(terms_, descent.ListFree(), 1, is_moving);
   if (kFew * CountTrue(is_moving) > descent.free_count()) return {};
-  const std::vector<Place> before = places_;
   Descent part(terms_, is_moving, options_, places_);
-  part.Begin(loss_);
+  part.BeginAsPart(descent);
   WAYMARK_TRY(Settle(part, motion_m));
-  descent.Follow(before);
+  descent.Follow(part);
   return {};
 }
 

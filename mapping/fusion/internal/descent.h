@@ -20,15 +20,19 @@ class Descent {
   /// Begins with this loss at the places of now; before any step.
   void Begin(OverlapLoss loss);
 
-  /// Looks at the equations again after others have moved some of its submaps.
-  void Follow(const std::vector<Place>& before);
+  /// Begins as a part of `whole`, some of whose submaps these are, after a step of it was taken.
+  void BeginAsPart(const Descent& whole);
+
+  /// Takes over from a part that began so where its submaps are now.
+  void Follow(Descent& part);
 
   /// Takes a step when it lowers the cost or nothing moves by the tolerance; else raises the
-  /// damping. After an undamped step below the tolerance, the equations stay where they were: begin
-  /// anew before another.
+  /// damping. After an undamped step below the tolerance, the equations stay where they were:
+  /// begin anew before another.
   void TryStep(double tolerance_m);
 
   std::size_t free_count() const { return equations_.free().size(); }
+  std::vector<bool> ListFree() const;  ///< by submap
   double cost() const { return cost_; }
   double damping() const { return damping_; }
   /// How far the last step moved any image; infinity when it was not taken.
@@ -46,6 +50,7 @@ class Descent {
   std::vector<Place>& places_;
   double cost_ = 0;
   double damping_ = 0;
+  bool is_behind_ = false;         // the equations are those before the last step
   std::vector<double> motions_m_;  // by unknown
   std::vector<Place> before_;      // the last step, by unknown
   double longest_motion_m_ = std::numeric_limits<double>::infinity();

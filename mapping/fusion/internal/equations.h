@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -25,27 +26,46 @@ class Equations {
   /// What was found out about earlier equations says nothing about those to come.
   void Forget() { factored_with_.reset(); }
 
-  /// The same after some submaps have moved: only what they are in is looked at again.
-  /// Returns by how much the cost has grown.
-  double Follow(const std::vector<Place>& before, const std::vector<Place>& after,
-                OverlapLoss loss);
+  /// The same for a part of the free submaps of `whole`, which has just been linearised at these
+  /// places: only overlaps with others are looked at, all else is copied.
+  double BeginAsPart(const Equations& whole, const std::vector<Place>& places, OverlapLoss loss);
+
+  /// Takes over what a part that began so has last been linearised to. Returns by how much the cost
+  /// has grown.
+  double Follow(const Equations& part);
 
   /// The step, by unknown, to where the equations expect the least cost; nothing when they are not
   /// positive definite. A higher damping makes it shorter.
   std::optional<std::vector<BlockVector>> FindStep(double damping);
 
  private:
-  /// Returns how many off-diagonal blocks the overlap has filled, 0 or 1.
-  std::size_t AddOverlap(const OverlapTerm& term, const OverlapEquations& equations,
-                         std::size_t edge);
-  double FollowSubmap(std::uint32_t unknown, const Place& before, const Place& after);
+  static constexpr std::uint32_t kHeld = std::numeric_limits<std::uint32_t>::max();
+
+  /// An overlap with a free submap.
+  struct Tie {
+    const OverlapTerm* term;
+    bool is_border;     ///< its other submap is held
+    std::size_t index;  ///< among those of the border, or among the edges
+  };
+
+  double Cost() const;
+  void AddOverlap(std::size_t k, const OverlapEquations& equations);
+  void FollowBorder(const Tie& tie, bool holds_first, const OverlapEquations& was,
+                    const OverlapEquations& now);
+
+  template <typename Visit>
+  static void ForEachShared(const Equations& part, const Equations& whole, Visit&& visit);
 
   const FusionTerms& terms_;
   const FusionOptions& options_;
   std::vector<std::uint32_t> unknown_of_;  // by submap
   std::vector<std::uint32_t> free_;
-  std::vector<const OverlapTerm*> overlaps_;  // with a free submap
+  std::vector<Tie> overlaps_;
   std::vector<OverlapEquations> of_overlap_;  // of a batch
+  std::vector<double> cost_of_submap_;        // by unknown
+  std::vector<double> cost_of_overlap_;
+  // Of a part, those of the border: where it began, and now.
+  std::vector<OverlapEquations> border_at_begin_, border_;
   BlockMatrix matrix_;
   std::vector<BlockVector> gradient_;
   std::vector<BlockEdge> edges_;  // by off-diagonal block

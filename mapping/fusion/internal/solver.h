@@ -37,11 +37,9 @@ class FusionSolver {
   Result<void> SettleFarthest(Descent& descent, double motion_m);
 
   const FusionTerms& terms_;
-  const std::vector<bool>& is_free_;
   const FusionOptions& options_;
   std::vector<Place>& places_;
   Descent whole_;
-  OverlapLoss loss_ = OverlapLoss::kHuber;
   StopAt stop_{};
   SolverSummary summary_;
 };

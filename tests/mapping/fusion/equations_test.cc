@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "mapping/fusion/internal/conjugate_gradients.h"
 #include "mapping/fusion/internal/fusing.h"
 #include "tests/mapping/fusion/city.h"
@@ -66,30 +68,100 @@ TEST(ConjugateGradients, NothingToDoIsNothing) {
   EXPECT_EQ(Flatten(SolveByGradients(matrix, right, factor, {0.1, 3}).x).norm(), 0);
 }
 
-/// Some of a city's submaps move, among them some that are held in the equations.
-TEST(Equations, FollowingIsLookingAtAllAgain) {
-  const City city = MakeCity({.submaps = 80, .wrong_overlaps = 0.1});
-  const FusionOptions options;
-  const Fusing fusing = *BeginFusing(city.submaps, options);
-  std::vector<bool> is_free = fusing.is_movable;
-  for (std::size_t i = 0; i < is_free.size(); i += 5) is_free[i] = false;
-  std::vector<Place> moved = fusing.places;
-  std::mt19937_64 random(3);
-  std::normal_distribution<double> normal(0, 0.05);
-  for (std::size_t i = 0; i < moved.size(); i += 3) {
-    moved[i].Move(BlockVector::NullaryExpr([&] { return normal(random); }));
+/// Every fifth submap of a city is held, and the equations of the others stand at first guesses.
+class EquationsOfPart : public testing::TestWithParam<OverlapLoss> {
+ protected:
+  EquationsOfPart() {
+    is_free_ = fusing_.is_movable;
+    for (std::size_t i = 0; i < is_free_.size(); i += 5) is_free_[i] = false;
   }
-  for (const OverlapLoss loss : {OverlapLoss::kHuber, OverlapLoss::kCauchy}) {
-    Equations following(fusing.terms, is_free, fusing.places, options);
-    Equations looking(fusing.terms, is_free, fusing.places, options);
-    const double before = following.Linearise(fusing.places, loss);
-    const double growth = following.Follow(fusing.places, moved, loss);
-    const double after = looking.Linearise(moved, loss);
-    EXPECT_NEAR(before + growth, after, 1e-9 * after);
-    const Eigen::VectorXd expected = Flatten(*looking.FindStep(0));
-    EXPECT_LT((Flatten(*following.FindStep(0)) - expected).norm(), 1e-8 * expected.norm());
+
+  Equations EquationsOf(const std::vector<bool>& is_free) const {
+    return {fusing_.terms, is_free, fusing_.places, options_};
   }
+
+  /// Those nearer to the corner of the city than the submap of this index.
+  std::vector<bool> FreeUpTo(std::size_t index) const {
+    std::vector<bool> is_free = is_free_;
+    std::fill(is_free.begin() + static_cast<std::ptrdiff_t>(index), is_free.end(), false);
+    return is_free;
+  }
+
+  void Move(const std::vector<bool>& is_moving) {
+    std::normal_distribution<double> normal(0, 0.05);
+    for (std::size_t i = 0; i < is_moving.size(); ++i) {
+      if (!is_moving[i]) continue;
+      fusing_.places[i].Move(BlockVector::NullaryExpr([&] { return normal(random_); }));
+    }
+  }
+
+  /// That these equations and their cost are what all of them linearised here are.
+  void ExpectAsLinearised(Equations& equations, const std::vector<bool>& is_free, double cost) {
+    Equations anew = EquationsOf(is_free);
+    const double expected_cost = anew.Linearise(fusing_.places, GetParam());
+    EXPECT_NEAR(cost, expected_cost, 1e-9 * expected_cost);
+    const Eigen::VectorXd expected = Flatten(*anew.FindStep(0));
+    EXPECT_LT((Flatten(*equations.FindStep(0)) - expected).norm(), 1e-8 * expected.norm());
+  }
+
+  City city_ = MakeCity({.submaps = 80, .wrong_overlaps = 0.1});
+  FusionOptions options_;
+  Fusing fusing_ = *BeginFusing(city_.submaps, options_);
+  std::vector<bool> is_free_;
+  std::mt19937_64 random_{3};
+};
+
+TEST_P(EquationsOfPart, BeginAsLinearised) {
+  Equations whole = EquationsOf(is_free_);
+  whole.Linearise(fusing_.places, GetParam());
+  Equations part = EquationsOf(FreeUpTo(40));
+  const double cost = part.BeginAsPart(whole, fusing_.places, GetParam());
+  ExpectAsLinearised(part, FreeUpTo(40), cost);
 }
+
+TEST_P(EquationsOfPart, FollowingThemIsLookingAtAllAgain) {
+  Equations whole = EquationsOf(is_free_);
+  double cost = whole.Linearise(fusing_.places, GetParam());
+  Equations part = EquationsOf(FreeUpTo(40));
+  part.BeginAsPart(whole, fusing_.places, GetParam());
+  for (int i = 0; i < 2; ++i) {
+    Move(FreeUpTo(40));
+    part.Linearise(fusing_.places, GetParam());
+  }
+  cost += whole.Follow(part);
+  ExpectAsLinearised(whole, is_free_, cost);
+}
+
+TEST_P(EquationsOfPart, APartFollowsItsOwnPartFirst) {
+  Equations whole = EquationsOf(is_free_);
+  double cost = whole.Linearise(fusing_.places, GetParam());
+  Equations part = EquationsOf(FreeUpTo(40));
+  double part_cost = part.BeginAsPart(whole, fusing_.places, GetParam());
+  Move(FreeUpTo(40));
+  part_cost = part.Linearise(fusing_.places, GetParam());
+  std::vector<bool> few = FreeUpTo(40);
+  std::fill(few.begin(), few.begin() + 30, false);  // beside what the part holds, too
+  Equations of_few = EquationsOf(few);
+  of_few.BeginAsPart(part, fusing_.places, GetParam());
+  Move(few);
+  of_few.Linearise(fusing_.places, GetParam());
+  part_cost += part.Follow(of_few);
+  ExpectAsLinearised(part, FreeUpTo(40), part_cost);
+  cost += whole.Follow(part);
+  ExpectAsLinearised(whole, is_free_, cost);
+}
+
+TEST_P(EquationsOfPart, NothingMovedIsNothingNew) {
+  Equations whole = EquationsOf(is_free_);
+  const double cost = whole.Linearise(fusing_.places, GetParam());
+  Equations part = EquationsOf(FreeUpTo(40));
+  part.BeginAsPart(whole, fusing_.places, GetParam());
+  EXPECT_EQ(whole.Follow(part), 0);
+  ExpectAsLinearised(whole, is_free_, cost);
+}
+
+INSTANTIATE_TEST_SUITE_P(BothLosses, EquationsOfPart,
+                         testing::Values(OverlapLoss::kHuber, OverlapLoss::kCauchy));
 
 }  // namespace
 }  // namespace waymark::mapping
