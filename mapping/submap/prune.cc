@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mapping/base/median.h"
+#include "mapping/submap/internal/drives_past.h"
 #include "mapping/submap/internal/measurements.h"
 
 namespace waymark::mapping {
@@ -78,6 +79,20 @@ void CheckGnss(const Reconstruction& reconstruction, std::span<const Verificatio
   }
 }
 
+/// All pictures of a drive past that stand elsewhere than those of the others do.
+void CheckDrives(const Reconstruction& reconstruction, std::span<const VerificationImage> images,
+                 const VerificationOptions& options, Reasons& reasons) {
+  if (!reconstruction.is_geo_aligned) return;
+  for (const internal::DisplacedDrive& drive :
+       internal::FindDisplacedDrives(internal::CollectDrivesPast(reconstruction, images),
+                                     kMinGnssErrorM, options.max_gnss_sigmas)) {
+    const std::string reason =
+        fmt::format("its drive past stands {:.1f} m from its GNSS positions and the others do not",
+                    drive.metres);
+    for (const std::uint32_t image : drive.images) reasons.insert_or_assign(image, reason);
+  }
+}
+
 /// How many of an image's tests against its neighbours there are and failed.
 struct Votes {
   int tests = 0;
@@ -127,8 +142,9 @@ Result<std::vector<ImplausibleImage>> FindImplausibleImages(
   const auto registered = std::ranges::count_if(
       reconstruction.images,
       [](const ReconstructedImage& image) { return image.submap_from_camera.has_value(); });
+  if (10 * reasons.size() > static_cast<std::size_t>(registered)) reasons.clear();
+  CheckDrives(reconstruction, images, options, reasons);
   std::vector<ImplausibleImage> found;
-  if (10 * reasons.size() > static_cast<std::size_t>(registered)) return found;
   for (auto& [image, reason] : reasons) found.push_back({image, std::move(reason)});
   return found;
 }

@@ -17,8 +17,10 @@ struct ImplausibleImage {
 
 /// Finds single images that contradict what was measured while those around them do not: far from
 /// GNSS once the common offset is taken out, or turned or displaced against both neighbours of its
-/// sequence. Sorted by image. Where more than a tenth of the images contradict, the reconstruction
-/// as a whole is the suspect: none is named, and verification judges it.
+/// sequence. Where more than a tenth of the images contradict, the reconstruction as a whole is the
+/// suspect: none is named, and verification judges it. Beside them all images of a drive past that
+/// stands elsewhere, by GNSS, than most of at least three do: their times are wrong, or GNSS was.
+/// Sorted by image.
 /// Errors: as VerifyReconstruction.
 Result<std::vector<ImplausibleImage>> FindImplausibleImages(
     const Reconstruction& reconstruction, std::span<const VerificationImage> images,

@@ -78,6 +78,66 @@ TEST(Prune, NamesNobodyAtABentEnd) {
   EXPECT_THAT(walk.Find(), IsEmpty());
 }
 
+/// The same street driven past again and again, ten images a time; GNSS has an offset each time.
+struct Street {
+  explicit Street(std::vector<Eigen::Vector3d> gnss_offsets) {
+    const Reconstruction once = MakeWalk(10);
+    const std::vector<VerificationImage> measured = MeasureWalk(once);
+    found = once;
+    found.images.clear();
+    found.points.clear();
+    for (std::size_t drive = 0; drive < gnss_offsets.size(); ++drive) {
+      for (std::size_t i = 0; i < measured.size(); ++i) {
+        found.images.push_back(once.images[i]);
+        VerificationImage image = measured[i];
+        image.time += std::chrono::seconds(60 * drive);
+        image.gnss_in_submap =
+            Point<Submap>(once.images[i].submap_from_camera->translation() + gnss_offsets[drive]);
+        images.push_back(image);
+      }
+    }
+  }
+  std::vector<ImplausibleImage> Find() const {
+    return *FindImplausibleImages(found, images, {}, {});
+  }
+
+  Reconstruction found;
+  std::vector<VerificationImage> images;
+};
+
+TEST(Prune, NamesADriveWhosePicturesAllCarryLateTimes) {
+  const auto found = Street({{0, 1, 0}, {0, 9, 0}, {1, 0, 0}, {-1, -1, 0}}).Find();
+  ASSERT_THAT(found, SizeIs(10));
+  EXPECT_EQ(found.front().image, 10u);
+  EXPECT_EQ(found.back().image, 19u);
+  EXPECT_THAT(found.front().reason, HasSubstr("its drive past stands"));
+}
+
+TEST(Prune, OfTwoDrivesApartNobodyKnowsWhichIsWrong) {
+  EXPECT_THAT(Street({{0, 0, 0}, {0, 9, 0}}).Find(), IsEmpty());
+}
+
+TEST(Prune, DrivesThatAllStandApartAreGnssBeingPoor) {
+  EXPECT_THAT(Street({{0, 0, 0}, {0, 9, 0}, {9, 0, 0}, {-9, 0, 0}}).Find(), IsEmpty());
+}
+
+TEST(Prune, ReceiversMayErrAsTheySay) {
+  Street street({{0, 1, 0}, {0, 9, 0}, {1, 0, 0}, {-1, -1, 0}});
+  for (VerificationImage& image : street.images) image.gnss_sigma_m = 3;
+  EXPECT_THAT(street.Find(), IsEmpty());
+}
+
+TEST(Prune, ACamerasNeighbourOnTheRigIsNoFurtherWitness) {
+  Street street({{0, 0, 0}, {0, 9, 0}});
+  const std::size_t count = street.images.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    street.found.images.push_back(street.found.images[i]);
+    street.images.push_back(street.images[i]);
+    street.images.back().sequence = "cam1";
+  }
+  EXPECT_THAT(street.Find(), IsEmpty());
+}
+
 TEST(Prune, RemovingAnImageRemovesWhatOnlyItSaw) {
   Walk walk;
   walk.found.points.resize(2);
