@@ -68,7 +68,8 @@ class TlsBytes final : public ByteStream {
       const int outcome =
           SSL_read_ex(ssl_.get(), bytes.data() + count, bytes.size() - count, &read);
       count += read;
-      if (outcome == 1) continue;
+      if (outcome == 1 && SSL_has_pending(ssl_.get()) == 1) continue;
+      if (outcome == 1) break;  // asking the socket again would cost as much as the record did
       if (IsPatient(outcome) || count > 0) break;  // an end is told when nothing is before it
       return MakeError(ErrorCode::kUnavailable, "TLS: {}", Reason());
     }
