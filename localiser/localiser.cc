@@ -13,6 +13,7 @@
 #include "localiser/internal/localiser_impl.h"
 #include "localiser/internal/pose_acceptance.h"
 #include "localiser/internal/request_checks.h"
+#include "localiser/internal/united_candidates.h"
 #include "mapping/base/stopwatch.h"
 
 namespace waymark::localiser {
@@ -113,11 +114,18 @@ std::vector<Candidate> Localiser::Impl::Ask(std::span<const OpenSubmap> near,
   }
   // The most inliers first; the release lists submaps by id, so that ties are settled too.
   std::stable_sort(candidates.begin(), candidates.end(), internal::IsMoreConvincing);
-  if (!candidates.front().pose) internal::TryWithoutGravity(candidates, request, options);
   for (const Candidate& candidate : candidates) {
     times.search_ms += candidate.answer.search_ms;
     times.pose_ms += candidate.answer.pose_ms;
   }
+  const Stopwatch again;
+  const auto& alone = candidates.front().pose;
+  if (!alone || internal::FindDoubt(alone->covariance, is_map_in_metres)) {
+    auto together = internal::AskTogether(candidates, request, options);
+    if (together) internal::PutFirst(*std::move(together), candidates);
+  }
+  if (!candidates.front().pose) internal::TryWithoutGravity(candidates, request, options);
+  times.pose_ms += 1e3 * again.ElapsedS();
   return candidates;
 }
 
@@ -155,10 +163,11 @@ void Localiser::Impl::Search(const LocalisationRequest& request, const ImageFeat
   if (!doubt) doubt = internal::FindDoubt(best.pose->covariance, is_map_in_metres);
   answer.times.pose_ms += 1e3 * doubt_watch.ElapsedS();
   if (doubt) return refuse(LocalisationStatus::kNoConsistentPose, *doubt);
-  refuse(LocalisationStatus::kLocalised,
-         fmt::format("{} of {} matches agree in submap {}, one of {} searched{}",
-                     best.pose->inliers, best.answer.matches.size(),
-                     best.submap->released().id.text(), near.size(), missing));
+  refuse(
+      LocalisationStatus::kLocalised,
+      fmt::format("{} of {} matches agree in submap {}{}, one of {} searched{}", best.pose->inliers,
+                  best.answer.matches.size(), best.submap->released().id.text(),
+                  best.has_others_matches ? " with what others show" : "", near.size(), missing));
   best.pose->experience = internal::FindContributor(best);
   answer.pose = std::move(best.pose);
 }

@@ -17,6 +17,7 @@ struct Candidate {
   SubmapAnswer answer;
   std::optional<LocalisedPose> pose;  ///< absent: see refusal
   std::string refusal;
+  bool has_others_matches = false;  ///< see AskTogether
 };
 
 /// What the phone says, seen from a submap.

@@ -22,10 +22,12 @@ struct LookAlike {
 /// The matches that are not among the inliers, which are ascending.
 ImageMatches WithoutInliers(const ImageMatches& matches, std::span<const std::uint32_t> inliers);
 
-/// Whether so many matches that agree on a second pose show another place, and do not just happen
-/// to; and whether that pose is elsewhere. Units: the distance is that to what the first pose sees
-bool IsLookAlike(std::size_t agreeing, std::size_t first_agreeing);
-bool IsElsewhere(const Rigid3& second, const Rigid3& first, double median_distance);
+/// Whether a second pose is elsewhere, and so many matches that agree on it show another place and
+/// do not just happen to. Few do where a front repeats its windows: whoever took one row of them
+/// for another would find more matches on the true row than on the false one. Units: the distance
+/// is that to what the first pose sees.
+bool IsLookAlike(const Rigid3& second, std::size_t agreeing, const Rigid3& first,
+                 std::size_t first_agreeing, double median_distance);
 
 /// Options under which a second pose is sought.
 inline constexpr int kMinLookAlikeInliers = 5;

@@ -67,6 +67,56 @@ TEST_F(LocaliserTest, SubmapsThatOverlapAgree) {
   EXPECT_TRUE(Open()->Localise(Request(place_.Viewpoint(0))).pose.has_value());
 }
 
+/// Every other landmark of a place, which two submaps know half each.
+mapping::SubmapModel HalfOf(const mapping::SubmapModel& whole, std::uint32_t parity,
+                            const Sim3& half_from_whole) {
+  mapping::SubmapModel half = whole;
+  half.landmarks.clear();
+  half.observations.clear();
+  for (std::uint32_t i = parity; i < whole.landmarks.size(); i += 2) {
+    half.landmarks.emplace_back(half_from_whole * whole.landmarks[i].coordinates());
+  }
+  for (mapping::LandmarkObservation seen : whole.observations) {
+    if (seen.landmark % 2 != parity) continue;
+    seen.landmark /= 2;
+    half.observations.push_back(seen);
+  }
+  return half;
+}
+
+TEST_F(LocaliserTest, SubmapsThatShowTooLittleEachAnswerTogether) {
+  place_ = RandomPlace({.landmarks = 36}, 5);
+  const mapping::SubmapModel whole = place_.Model();
+  const Sim3 elsewhere(0.5, RotationFromVector({0, 0, 1}), {3, 4, 1});  // a frame of its own
+  const SubmapId even = disk_.Add(HalfOf(whole, 0, Sim3()), kMapFromSubmap);
+  const SubmapId odd = disk_.Add(HalfOf(whole, 1, elsewhere), kMapFromSubmap * elsewhere.Inverse());
+  const Rigid3 truth = place_.Viewpoint(1);
+  const Localisation answer = Open()->Localise(Request(truth));
+  ASSERT_TRUE(answer.pose.has_value()) << answer.reason;
+  EXPECT_GT(answer.pose->inliers, 18) << "of at most 18 landmarks each";
+  EXPECT_THAT(answer.reason, testing::HasSubstr("with what others show"));
+  EXPECT_THAT(answer.pose->submap, testing::AnyOf(even, odd));
+  const Rigid3 expected = CarryPose(kMapFromSubmap, truth);
+  EXPECT_LT((answer.pose->map_from_camera.translation() - expected.translation()).norm(), 0.1);
+  const Sim3& home =
+      answer.pose->submap == even ? kMapFromSubmap : kMapFromSubmap * elsewhere.Inverse();
+  EXPECT_LT((CarryPose(home, answer.pose->submap_from_camera.rigid()).translation() -
+             answer.pose->map_from_camera.translation())
+                .norm(),
+            1e-6);
+  EXPECT_EQ(answer.pose->experience, ExperienceId("drive"));
+}
+
+TEST_F(LocaliserTest, SubmapsThatContradictEachOtherDoNotAnswerTogether) {
+  place_ = RandomPlace({.landmarks = 36}, 5);
+  const mapping::SubmapModel whole = place_.Model();
+  disk_.Add(HalfOf(whole, 0, Sim3()), kMapFromSubmap);
+  disk_.Add(HalfOf(whole, 1, Sim3()),
+            Sim3(1, Eigen::Quaterniond::Identity(), {0, 0, 5}) * kMapFromSubmap);
+  const Localisation answer = Open()->Localise(Request(place_.Viewpoint(1)));
+  EXPECT_FALSE(answer.pose.has_value()) << answer.reason;
+}
+
 TEST_F(LocaliserTest, OnlySubmapsNearThePriorAreSearched) {
   disk_.Add(place_.Model(), kMapFromSubmap);
   const auto localiser = Open();

@@ -58,6 +58,16 @@ TEST(LookAlike, IsFoundWhereMatchesAreSharedBetweenTwoHousesOfOneKind) {
   EXPECT_EQ(with_gravity->agreeing, found->agreeing);
 }
 
+TEST(LookAlike, IsNotSeenInAFewMatchesOnTheNextRowOfWindows) {
+  const RandomPlace place({.landmarks = 1200}, 1);
+  const auto with_copies_at = [&](double offset_m, std::size_t copies) {
+    return FindIn(MatchPlace(place, place.Viewpoint(0), 120 + copies, 120, {offset_m, 0, 0}));
+  };
+  EXPECT_FALSE(with_copies_at(2.5, 15).has_value());
+  EXPECT_TRUE(with_copies_at(9.5, 15).has_value()) << "a house away";
+  EXPECT_TRUE(with_copies_at(2.5, 40).has_value()) << "too many for windows";
+}
+
 TEST(LookAlike, IsNotSeenInMatchesThatAgreeOnNothing) {
   const RandomPlace place(1);
   support::RandomGeometry random(2);

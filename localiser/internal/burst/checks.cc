@@ -55,8 +55,8 @@ std::optional<std::string> FindTwinPose(const Candidate& candidate, const AskedB
   const auto second = PoseOfImage(*second_vo, cameras, rest, cameras.size() - 1, 0);
   const std::size_t agreeing = CountEvidence(rest, second).landmarks();
   const std::size_t first_agreeing = CountEvidence(answer.matches, first).landmarks();
-  if (!IsLookAlike(agreeing, first_agreeing) ||
-      !IsElsewhere(second.world_from_camera, first.world_from_camera, answer.median_distance_m)) {
+  if (!IsLookAlike(second.world_from_camera, agreeing, first.world_from_camera, first_agreeing,
+                   answer.median_distance_m)) {
     return std::nullopt;
   }
   return fmt::format(

@@ -73,6 +73,8 @@ Result<std::vector<ConditionsRow>> RunConditions(
 
 /// What a row cost and how well its covariances describe its errors, two lines.
 std::string DescribeRow(const ConditionsRow& row);
+/// Each refused request: its number in the row, its light and the localiser's reason.
+std::string DescribeRefusals(const ConditionsRow& row);
 /// The table of rates as text, and everything as one JSON document.
 std::string DescribeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows);
 std::string EncodeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows);

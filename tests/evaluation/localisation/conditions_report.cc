@@ -50,6 +50,15 @@ std::string DescribeRow(const ConditionsRow& row) {
       calibration.rotation_factor);
 }
 
+std::string DescribeRefusals(const ConditionsRow& row) {
+  std::string text;
+  for (std::size_t i = 0; i < row.verdicts.size(); ++i) {
+    const Verdict& verdict = row.verdicts[i];
+    if (!verdict.is_accepted) text += fmt::format("  {} {}: {}\n", i, verdict.kind, verdict.reason);
+  }
+  return text;
+}
+
 std::string DescribeConditions(const ConditionsPlan& plan, const std::vector<ConditionsRow>& rows) {
   std::string text =
       "\nSimulation: pictures of waymark-simulate's city; submaps triangulated with the true poses "

@@ -28,7 +28,7 @@ int Run(int argc, char** argv) {
   WorkshopArguments work;
   std::string json;
   std::vector<std::string> lights;
-  bool is_quick = false;
+  bool is_quick = false, with_refusals = false;
   AddWorkshopOptions(app, work);
   app.add_option("--requests", plan.requests, "of every row, spread over the lights")
       ->check(CLI::Range(1, 100000))
@@ -44,6 +44,7 @@ int Run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--city-seed", plan.city.seed)->capture_default_str();
   app.add_option("--json", json, "file for the figures as JSON");
+  app.add_flag("--refused", with_refusals, "also print why each refused request was");
   app.add_flag("--quick", is_quick, "a tiny world, to try the program");
   CLI11_PARSE(app, argc, argv);
   if (is_quick) MakeQuick(plan);
@@ -53,8 +54,9 @@ int Run(int argc, char** argv) {
     if (!light) return Fail({ErrorCode::kInvalidArgument, "no light is called " + name});
     plan.lights.push_back(*light);
   }
-  const auto rows = RunConditions(plan, MakeWorkshop(work), [](const ConditionsRow& row) {
+  const auto rows = RunConditions(plan, MakeWorkshop(work), [&](const ConditionsRow& row) {
     fmt::print("{}", DescribeRow(row));
+    if (with_refusals) fmt::print("{}", DescribeRefusals(row));
     std::fflush(stdout);
   });
   if (!rows) return Fail(rows.error());
