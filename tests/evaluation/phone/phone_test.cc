@@ -71,13 +71,16 @@ TEST(PhoneErrors, RelativeOnesAreOverTheFirstAnswersSoFarApart) {
 TEST(Agreement, IsTheDistanceBetweenWhatTwoPhonesShow) {
   std::vector<PhoneTrial> trials{Straight(40, 0.05), Straight(40, -0.03)};
   for (PhoneTrial& trial : trials) {
-    for (ShownInstant& instant : trial.shown) instant.certainty = {0.04, 0};
+    for (ShownInstant& instant : trial.shown) {
+      instant.certainty = {std::hypot(0.04, localiser::AlignmentOptions{}.sigma_floor_m), 0};
+    }
   }
   const std::vector<SharedLook> looks = SharedLooks(trials);
   ASSERT_GT(looks.size(), 100U);
   for (const SharedLook& look : looks) {
     EXPECT_THAT(look.apart_m, DoubleNear(0.08, 1e-9));
-    EXPECT_THAT(look.expected.p50_m, DoubleNear(1.5382 * 0.04 * std::sqrt(2), 1e-4));
+    EXPECT_THAT(look.expected.p50_m, DoubleNear(1.5382 * 0.04 * std::sqrt(2), 1e-4))
+        << "both stand on the same map";
   }
   EXPECT_THAT(DescribeAgreement(looks), HasSubstr("8.0 cm apart"));
   EXPECT_TRUE(SharedLooks({trials.data(), 1}).empty()) << "with nobody";
