@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/network/slow_relay.h"
 
-#include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -12,20 +11,16 @@
 #include <array>
 #include <cerrno>
 
+#include "tests/support/loopback.h"
+
 namespace waymark::network {
 namespace {
+
+using support::Loopback;
 
 constexpr std::size_t kPieceBytes = 1448;       // of a full packet
 constexpr std::size_t kMaxWaiting = 16 * 1024;  // as a TCP window would
 constexpr milliseconds kRetransmission{200};    // the least that Linux waits
-
-sockaddr_in Loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
-  return address;
-}
 
 /// Small buffers, so that who sends feels the way and not the kernel's memory.
 void Prepare(int socket) {

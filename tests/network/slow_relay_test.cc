@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/network/slow_relay.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <numeric>
 
+#include "tests/support/loopback.h"
+
 namespace waymark::network {
 namespace {
 
-sockaddr_in Loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
-  return address;
-}
+using support::Loopback;
 
 /// A connection to ourselves through the relay.
 struct Loop {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bench/session/peers/brokers.h"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -13,9 +12,12 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/loopback.h"
+
 namespace waymark::bench {
 namespace {
 
+using support::Loopback;
 using Clock = std::chrono::steady_clock;
 
 bool IsInstalled(const std::string& program) {
@@ -25,14 +27,6 @@ bool IsInstalled(const std::string& program) {
     if (::access((folder + "/" + program).c_str(), X_OK) == 0) return true;
   }
   return false;
-}
-
-sockaddr_in Loopback(std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  address.sin_port = htons(port);
-  return address;
 }
 
 std::uint16_t FindFreePort() {
