@@ -8,9 +8,9 @@
 #include <mutex>
 #include <optional>
 
+#include "mapping/base/allowance.h"
 #include "session/gateway/bus_lines.h"
 #include "session/gateway/gateway.h"
-#include "session/wire/allowance.h"
 #include "session/wire/parts.h"
 #include "session/wire/room_line.h"
 
@@ -94,7 +94,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   GatewayTally& tally_;
   BusLines& lines_;
   const Calls calls_;
-  wire::Allowance messages_, bytes_;
+  Allowance messages_, bytes_;
   wire::PartCollector parts_{socket::kMaxFrameBytes};
   int rejected_ = 0;
   bool has_left_ = false;
@@ -109,7 +109,7 @@ class Phone : public std::enable_shared_from_this<Phone> {
   std::shared_ptr<Room> room_;
   Ticket ticket_{};
   Stance stance_;
-  wire::Allowance areas_{1 / Seconds(kMinAreaInterval)};
+  Allowance areas_{1 / Seconds(kMinAreaInterval)};
 };
 
 }  // namespace waymark::session::internal

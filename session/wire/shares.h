@@ -6,8 +6,8 @@
 #include <mutex>
 #include <string>
 
+#include "mapping/base/allowance.h"
 #include "session/dds/log_budget.h"
-#include "session/wire/allowance.h"
 
 namespace waymark::session::wire {
 
