@@ -111,13 +111,14 @@ void ServerBus::Forget(const DeviceId& device, const std::string& owner) {
   }
 }
 Result<void> ServerBus::Send(const GatewayPongs& pongs) {
-  // All of them stand in rooms of the slice from which the gateway reported of them.
-  if (pongs.pongs.empty()) return {};
-  const auto phone = impl_->phones.find(pongs.pongs.front().device);
-  if (phone == impl_->phones.end()) {
-    return NotOpen("device", pongs.pongs.front().device.text());
+  // Its phones stand in rooms of the slice from which it reported of them, but for who has come
+  // another way meanwhile.
+  for (const ClockPong& pong : pongs.pongs) {
+    const auto phone = impl_->phones.find(pong.device);
+    if (phone == impl_->phones.end()) continue;
+    return Write(impl_->SliceFor(phone->second).gateway_pongs, pongs);
   }
-  return Write(impl_->SliceFor(phone->second).gateway_pongs, pongs);
+  return {};
 }
 
 }  // namespace waymark::session::wire
