@@ -2,7 +2,6 @@
 #include "localiser/internal/united_candidates.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>

@@ -22,10 +22,6 @@ namespace {
 
 constexpr std::chrono::milliseconds kGathering{2};  // adds half of it to the age of a pose
 
-keys::WallTime WallNow() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 }  // namespace
 
 /// Knows all connections, and which of them speaks for a device.
@@ -78,7 +74,7 @@ class Gateway::Hub {
         channel, options_, tally_, lines_,
         Phone::Calls{.find_objection =
                          [this](const Hello& hello, const std::string& peer) {
-                           return gate_.FindObjection(hello, peer, WallNow(),
+                           return gate_.FindObjection(hello, peer, keys::WallNow(),
                                                       std::chrono::steady_clock::now());
                          },
                      .enter = [this](const PhonePtr& newcomer,

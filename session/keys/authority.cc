@@ -73,7 +73,7 @@ Result<Authority> Authority::Create(const fs::path& folder) {
   }
   WAYMARK_TRY(CreateFolders(folder / kTokenKeysFolder));
   WAYMARK_TRY(MakeSecretFolder(folder));
-  const WallTime now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  const WallTime now = WallNow();
   const Validity validity{now - std::chrono::minutes(5), now + kAuthorityYears};
   WAYMARK_TRY_ASSIGN(auto identity, CertificateAuthority::Make("Waymark identities", validity));
   WAYMARK_TRY_ASSIGN(auto permissions, CertificateAuthority::Make("Waymark permissions", validity));

@@ -17,6 +17,9 @@
 namespace waymark::session::keys {
 
 using WallTime = std::chrono::sys_seconds;
+inline WallTime WallNow() {
+  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
 
 /// What a token grants.
 struct TokenClaims {

@@ -21,10 +21,6 @@ ServerTime Now() {
       std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-keys::WallTime WallNow() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 std::uint64_t RandomBits() {
   std::random_device device;
   return std::uint64_t{device()} << 32 | device();
@@ -55,7 +51,7 @@ Server::Loop::Loop(const ServerOptions& options, ServerParts parts)
                      .origin = parts.map.origin,
                      .epoch = parts.served.release.epoch},
              .placements = std::make_shared<const Placements>(PlacementsOf(parts.served.release)),
-             .started_utc_ms = WallNow().time_since_epoch().count() * 1000},
+             .started_utc_ms = keys::WallNow().time_since_epoch().count() * 1000},
       state_(begin_.options, run_, begin_.map, begin_.placements),
       store_(std::move(parts.store), RulesBook(options.rules_file), parts.served.release,
              parts.map.origin, std::move(parts.load_release),
@@ -171,7 +167,7 @@ void Server::Loop::Handle(Item& item) {
 
 void Server::Loop::On(Hello hello, ServerTime) {
   event::Permit permit{.role = open_role_};
-  if (door_) permit = door_->Check(hello, WallNow(), Now());
+  if (door_) permit = door_->Check(hello, keys::WallNow(), Now());
   permit.owner = keys::OwnerOf(hello.owner_secret);
   hello.token.clear();
   hello.owner_secret.clear();

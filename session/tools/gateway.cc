@@ -76,7 +76,7 @@ Result<void> Run(Arguments arguments, const sigset_t& end_signals) {
     if (HasDdsCredentials(arguments.security)) options.dds.security_folder = arguments.security;
   }
   keys::ExpiryWatch expiry(options.dds.security_folder, "gateway");
-  WAYMARK_TRY(expiry.CheckNow(WallNow()));
+  WAYMARK_TRY(expiry.CheckNow(keys::WallNow()));
   WAYMARK_TRY_ASSIGN(const auto gateway, Gateway::Start(options));
   const bool is_open = options.listen.tls.certificate_chain_file.empty();
   fmt::print("ready pid={} address={} port={} tls={} tokens={} server={} domain={}\n", ::getpid(),

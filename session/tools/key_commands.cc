@@ -27,10 +27,6 @@ struct Arguments {
   bool is_renewal = false;
 };
 
-keys::WallTime Now() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 Result<void> Init(const Arguments& arguments) {
   WAYMARK_TRY_ASSIGN(const Authority authority, Authority::Create(arguments.folder));
   fmt::print("{}: made; {}/secret stays on this machine\n", arguments.folder.string(),
@@ -40,7 +36,7 @@ Result<void> Init(const Arguments& arguments) {
 
 Result<void> Token(const Arguments& arguments) {
   WAYMARK_TRY_ASSIGN(const Authority authority, Authority::Open(arguments.folder));
-  keys::TokenClaims claims{.room = RoomId(arguments.room), .issued = Now()};
+  keys::TokenClaims claims{.room = RoomId(arguments.room), .issued = keys::WallNow()};
   claims.role = *FindRole(arguments.role);
   if (!arguments.device.empty()) claims.device = DeviceId(arguments.device);
   claims.expires = claims.issued + std::chrono::seconds(static_cast<std::int64_t>(
@@ -58,7 +54,7 @@ Result<void> Issue(const Arguments& arguments) {
   using Kind = Authority::Request::Kind;
   const bool is_device = arguments.what == "device";
   const double hours = arguments.hours > 0 ? arguments.hours : is_device ? 12 : 24 * 90;
-  const keys::WallTime now = Now();
+  const keys::WallTime now = keys::WallNow();
   Authority::Request request{
       .kind = is_device                     ? Kind::kDevice
               : arguments.what == "gateway" ? Kind::kGateway
@@ -84,10 +80,10 @@ Result<void> Show(const Arguments& arguments) {
                      arguments.folder.string());
   }
   for (const keys::Ending& ending : endings) {
-    const auto days = std::chrono::floor<std::chrono::days>(ending.until - Now()).count();
+    const auto days = std::chrono::floor<std::chrono::days>(ending.until - keys::WallNow()).count();
     fmt::print("{:%Y-%m-%d %H:%M:%S} UTC  {:>9}  {}  ({})\n", ending.until,
-               ending.until > Now() ? fmt::format("{} days", days) : "ended", ending.file.string(),
-               ending.name);
+               ending.until > keys::WallNow() ? fmt::format("{} days", days) : "ended",
+               ending.file.string(), ending.name);
   }
   return {};
 }

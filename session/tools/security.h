@@ -3,7 +3,6 @@
 
 #include <arpa/inet.h>
 
-#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -24,12 +23,8 @@ inline bool HasDdsCredentials(const std::string& folder) {
   return !folder.empty() && std::filesystem::exists(folder + "/certificate.pem");
 }
 
-inline keys::WallTime WallNow() {
-  return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-}
-
 inline void WarnOfExpiry(keys::ExpiryWatch& watch) {
-  if (const auto warning = watch.TakeWarning(WallNow())) LogWarning("{}", *warning);
+  if (const auto warning = watch.TakeWarning(keys::WallNow())) LogWarning("{}", *warning);
 }
 
 }  // namespace waymark::session

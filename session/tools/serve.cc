@@ -57,7 +57,7 @@ Result<void> Serve(const ServeArguments& arguments, const sigset_t& end_signals)
   ServerOptions options = arguments.server;
   if (HasDdsCredentials(arguments.security)) options.security_folder = arguments.security;
   keys::ExpiryWatch expiry(options.security_folder, "server");
-  WAYMARK_TRY(expiry.CheckNow(WallNow()));
+  WAYMARK_TRY(expiry.CheckNow(keys::WallNow()));
   options.rules_file = RulesFile(arguments);
   WAYMARK_TRY_ASSIGN(const auto map, mapping::MapDirectory::Open(arguments.map));
   WAYMARK_TRY_ASSIGN(const auto release, map.LoadCurrentRelease());

@@ -34,8 +34,6 @@ Result<UpWriters> MakeUpWriters(dds::Participant& participant, const RoomId& roo
                    std::move(areas)};
 }
 
-}  // namespace
-
 /// What is said to others in its slice is not for it.
 DeviceLink::Handler ForOwnEars(DeviceLink::Handler handler, const DeviceId& device) {
   return [handler = std::move(handler), device](DeviceLink::Event event) {
@@ -46,6 +44,8 @@ DeviceLink::Handler ForOwnEars(DeviceLink::Handler handler, const DeviceId& devi
     handler(std::move(event));
   };
 }
+
+}  // namespace
 
 struct DeviceBus::Impl {
   UpWriters writers;

@@ -31,9 +31,8 @@ Result<void> ServerBus::Impl::ListenForHello(std::size_t slice, const Handler& h
                           [this, slice, handler](dds::Arrival arrival, const void* sample,
                                                  const dds::Source& source) {
                             // A goodbye that is lost here is made up for by silence.
-                            if (!shares.Take(source.Partition(), 0,
-                                             std::chrono::steady_clock::now()))
-                              return;
+                            const auto now = std::chrono::steady_clock::now();
+                            if (!shares.Take(source.Partition(), 0, now)) return;
                             const auto& wire = *static_cast<const waymark_Hello*>(sample);
                             Result<Upward> word = HearHello(slice, arrival, wire, source);
                             if (word.ok()) return handler(*std::move(word));
@@ -67,8 +66,8 @@ Error ServerBus::Impl::SendElsewhere(std::size_t slice, const Hello& hello) {
   const auto count = static_cast<int>(slices.size());
   Error elsewhere = MakeError(ErrorCode::kInvalidArgument,
                               "device {}: came to slice {} of the bus; expected slice {} of {}, "
-                              "where room {} is: both ends "
-                              "must know into how many slices it is cut (--slices {})",
+                              "where room {} is: both ends must know into how many slices it is "
+                              "cut (--slices {})",
                               hello.device.text(), slice, SliceOf(hello.room, count), count,
                               hello.room.text(), count);
   (void)Write(slices[slice].refusals, Welcome{.device = hello.device,
